@@ -25,8 +25,9 @@ KOKKOS_INLINE_FUNCTION bool is_interrupted(const int* interrupted) {
 
 KOKKOS_INLINE_FUNCTION void record_shock(ShockBuffer& ended, const OpenShock& shock) {
   RA2D_CHECK(ended.count < ended.capacity);
-  ended.rows[ended.count++] = {shock.serial,  shock.start,  shock.last, shock.peak,
-                               shock.impulse, shock.moment, shock.place};
+  ended.rows[ended.count++] = {shock.serial, shock.start,         shock.last,
+                               shock.peak,   shock.impulse,       shock.moment,
+                               shock.place,  shock.across_moment, shock.row};
 }
 
 /// Records the open shocks that had no contact at `step`. The runs still point to the others.
@@ -52,6 +53,7 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(ShockTracking& shocks, RunBuffer& runs, 
   OpenShock &old = shocks.open[keep], &young = shocks.open[drop];
   old.impulse += young.impulse;
   old.moment += young.moment;
+  old.across_moment += young.across_moment;
   old.peak = old.peak > young.peak ? old.peak : young.peak;
   const std::int64_t last = old.last > young.last ? old.last : young.last;
   old.force = (old.last == last ? old.force : 0.0) + (young.last == last ? young.force : 0.0);
@@ -124,8 +126,14 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
     if (shock < 0) {
       RA2D_CHECK(shocks.open_count < 2 * runs.capacity);
       shock = shocks.open_count++;
-      const int along = row == 0 ? run.first : run.first % row;
-      shocks.open[shock] = {shocks.begun++, first, last, 0.0, 0.0, 0.0, 0.0, along + position};
+      const int across = row == 0 ? 0 : run.first / row, along = run.first - across * row;
+      OpenShock begun{};
+      begun.serial = shocks.begun++;
+      begun.start = first;
+      begun.last = last;
+      begun.place = along + position;
+      begun.row = across;
+      shocks.open[shock] = begun;
     }
     run.shock = shock;
     OpenShock& open = shocks.open[shock];
@@ -133,6 +141,7 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
     open.last = last;
     open.impulse += run.force;
     open.moment += run.moment + run.force * position;
+    if (row != 0) open.across_moment += run.force * (run.first / row);
   }
   ContactRun* const old = shocks.runs;
   shocks.runs = runs.next;

@@ -57,12 +57,14 @@ struct OpenShock {
   double impulse;            // N steps
   double moment;             // N steps chi, sum of f_n x_n/chi
   double place;              // chi, of its first node when it began
+  double across_moment;      // N steps rows, areal scenes: sum of f_n times the row of n
+  double row;                // areal scenes: of its first node when it began
 };
 
 /// A shock that has ended.
 struct ShockRow {
   std::int64_t serial, start, last;
-  double peak, impulse, moment, place;
+  double peak, impulse, moment, place, across_moment, row;
 };
 
 /// A sample: modal displacements, modal velocities (lanes of each), then these columns.

@@ -356,6 +356,7 @@ struct MovingForces {
   int count = 0;
   double resonator_length = 0;  // m
   const MovingForceTable* list = nullptr;
+  const double* across = nullptr;  // (force, lane): as RowTables::across, at its y
 };
 
 /// When a march ends, and what it records.
@@ -453,7 +454,9 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
     visit("sag2", t.faces.sag2, heights);
     visit("highest_sag2", t.faces.highest_sag2, heights);
   }
-  visit("moving_force", t.forces.list, static_cast<std::size_t>(n.moving_forces));
+  const auto moving = static_cast<std::size_t>(n.moving_forces);
+  visit("moving_force", t.forces.list, moving);
+  if (n.rows > 0) visit("moving_force_across", t.forces.across, moving * n.lanes);
 }
 template <class Visit>
 void visit_arrays(SceneTables& t, const Extents& n, Visit&& visit) {

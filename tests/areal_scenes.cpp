@@ -117,6 +117,8 @@ Scene scene_of(const ArealScene& of) {
   s.speed = of.speed;
   s.gap = of.gap;
   s.contact.stiffness = of.stiffness;
+  for (const ArealForce& f : of.forces)
+    s.resonator.moving_forces.push_back({f.force, f.speed, f.start, f.y});
   return s;
 }
 

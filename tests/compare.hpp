@@ -52,6 +52,8 @@ class Comparison {
     column("peak", &Shock::peak);
     column("impulse", &Shock::impulse);
     column("moment", &Shock::moment);
+    column("moment across", &Shock::across_moment);
+    column("row", &Shock::row);
   }
   void add(const std::string& name, const std::vector<std::int64_t>& a,
            const std::vector<std::int64_t>& b, const Axes& axes);

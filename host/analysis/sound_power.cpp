@@ -151,7 +151,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
       }
       const double own = 2 * j == fourier.length() ? scale / 2 : scale;
       power[j] += own * watts;
-      square[j] += own * squares / resonator.face.length;
+      square[j] += own * squares / resonator.extent;
     }
   }
 
@@ -176,7 +176,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
     const double r = frequency <= highest ? resistance.of_mode(k, frequency) : quiet_nan;
     found.mode_frequency.push_back(frequency);
     found.mode_efficiency.push_back(
-        r / (resonator.air.density * resonator.air.sound_speed * resonator.face.width));
+        r / (resonator.air.density * resonator.air.sound_speed * resonator.squared_shape));
     found.mode_damping.push_back(r / (modes[k].mass * modes[k].omega));
   }
   found.share_of_damping = 2 * found.watts / found.damping_power;

@@ -112,9 +112,6 @@ SoundingResonator sounding_resonator(const ResultReader& reader, const std::opti
         "shapes are not known: take the program that made it ({})",
         file.string(), contents.origin));
   const BodySpec& spec = scene->resonator;
-  if (scene->kind == SceneKind::areal)
-    throw RequestError(file.string() +
-                       ": the sound of areal scenes is not built yet: it is that of plane ones");
   SoundingResonator found{
       make_body(spec),
       {},
@@ -132,7 +129,10 @@ SoundingResonator sounding_resonator(const ResultReader& reader, const std::opti
   if (!same)
     throw FileError(fmt::format("{}: its modes are not those of its scene: was the file changed?",
                                 file.string()));
-  found.face = strip(found.body, spec.width);
+  found.face = face_of(found.body, spec);
+  const bool is_plate = spec.kind == BodyKind::plate;
+  found.extent = is_plate ? found.face.area() : found.face.length;
+  found.squared_shape = is_plate ? 1 : found.face.width;
   return found;
 }
 

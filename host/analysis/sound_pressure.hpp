@@ -34,6 +34,8 @@ struct SoundingResonator {
   Radiator face;
   Air air;
   double mass_per_area = 0;  // kg/m^2
+  double extent = 0;         // over which a squared shape has the integral 1: m, of a plate m^2
+  double squared_shape = 0;  // integral of one over the face: m, of a plate 1
 };
 SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
                                      const std::filesystem::path& file,

@@ -33,7 +33,7 @@ using Json = nlohmann::ordered_json;
 
 const std::vector<std::string> result_views{
     "overview", "profiles", "force", "displacement", "spectrum",  "probe-spectra", "shocks",
-    "level",    "energy",   "bands", "spectrogram",  "waterfall", "shock"};
+    "level",    "energy",   "bands", "spectrogram",  "waterfall", "shock",         "motion"};
 const std::vector<std::string> heard_views{"overview", "bands", "level"};  // that show pressure
 const std::vector<std::string> results_views{"overview", "spectrum", "bands", "level"};
 constexpr std::size_t most_results = 8;  // that a picture keeps apart
@@ -42,7 +42,7 @@ struct PlotRequest {
   std::vector<fs::path> files;
   fs::path output;
   std::string what = "overview";
-  std::optional<double> from, to;           // s
+  std::optional<double> from, to, time;     // s
   std::optional<unsigned long long> shock;  // its number
   SoundRequest sound;
   ProfileOptions profile;
@@ -61,9 +61,11 @@ void require_view(const std::string& what, const std::vector<std::string>& views
 
 /// Options of results alone are refused for other files.
 void refuse_result_options(const PlotRequest& request, const char* what) {
-  for (const auto& [name, given] :
-       {std::pair{"--from", request.from.has_value()}, std::pair{"--to", request.to.has_value()},
-        std::pair{"--shock", request.shock.has_value()}, std::pair{"--at", request.sound.asks()}})
+  for (const auto& [name, given] : {std::pair{"--from", request.from.has_value()},
+                                    std::pair{"--to", request.to.has_value()},
+                                    std::pair{"--shock", request.shock.has_value()},
+                                    {"--time", request.time.has_value()},
+                                    std::pair{"--at", request.sound.asks()}})
     if (given) throw RequestError(fmt::format("{} is of results: {} has none", name, what));
 }
 
@@ -82,6 +84,7 @@ Json profile_request(const PlotRequest& request) {
 
 Json results_request(const PlotRequest& request) {
   if (request.shock && request.what != "shock") throw RequestError("--shock N is of --what shock");
+  if (request.time && request.what != "motion") throw RequestError("--time is of --what motion");
   if (request.files.size() == 1) {
     require_view(request.what, result_views, "a result");
   } else {
@@ -104,6 +107,7 @@ Json results_request(const PlotRequest& request) {
   if (request.from) json["start"] = *request.from;
   if (request.to) json["stop"] = *request.to;
   if (request.shock) json["shock"] = *request.shock;
+  if (request.time) json["time"] = *request.time;
   add_microphones_to(json, request.sound);
   return json;
 }
@@ -193,6 +197,8 @@ void add_plot(CLI::App& app, ChosenCommand& chosen) {
   };
   add_time("--from", request.from, "of results: where the picture begins [0]");
   add_time("--to", request.to, "of results: where it ends [the end of the run]");
+  add_time("--time", request.time,
+           "with --what motion: when [at the sample of the largest contact force]");
   plot->add_option("--shock", request.shock,
                    "with --what shock: which one, counted from 0 in order of start [the strongest]")
       ->type_name("N")

@@ -475,6 +475,10 @@ void Filler::moving_forces() {
   for (int i = 0; i < tables_.forces.count; ++i) {
     const MovingForce& f = scene_.resonator.moving_forces[i];
     moving[i] = {f.force, f.start, f.speed * model_.tick};
+    if (n_.rows == 0) continue;
+    double* lanes = host_(tables_.forces.across) + static_cast<std::size_t>(i) * n_.lanes;
+    for (const BodyMode& mode : model_.resonator.modes)
+      mode.shape->evaluate_across(*f.y, 1, lanes++);
   }
 }
 

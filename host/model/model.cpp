@@ -159,17 +159,17 @@ void check_roundings(const Model& m) {
           scene.contact.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
 }
 
-/// Refuses what is not built for areal scenes.
+/// Refuses what is not built for areal scenes, and places without a y.
 void refuse_unbuilt(const Scene& scene) {
-  const auto refuse = [&](bool is_asked, const char* key, const char* what) {
-    if (is_asked) throw refusal(scene, key, std::string("not built yet for areal scenes: ") + what);
-  };
-  refuse(scene.faces != Faces::linear, "scene.faces", "\"smooth\"; use \"linear\"");
-  refuse(!scene.resonator.moving_forces.empty(), "resonator.moving_force",
-         "moving forces; leave them out");
-  refuse(!scene.output.probes.empty(), "output.probes", "probes; leave them out");
-  refuse(!scene.output.slider_probes.empty(), "output.slider_probes", "probes; leave them out");
-  refuse(!scene.output.microphones.empty(), "output.microphones", "microphones; leave them out");
+  if (scene.faces != Faces::linear)
+    throw refusal(scene, "scene.faces",
+                  "not built yet for areal scenes: \"smooth\"; use \"linear\"");
+  for (const MovingForce& force : scene.resonator.moving_forces)
+    if (!force.y) throw refusal(scene, "resonator.moving_force", "has no y: expected one");
+  for (const auto& [key, places] : {std::pair{"output.probes", &scene.output.probes},
+                                    {"output.slider_probes", &scene.output.slider_probes}})
+    for (const ProbePlace& place : *places)
+      if (!place.y) throw refusal(scene, key, "a place without y: expected pairs, [x, y]");
 }
 
 /// Maps that are no whole rows, or not those of the bodies; a block that leaves the plate.

@@ -47,8 +47,7 @@ struct Model {
 };
 
 /// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit, and
-/// for what is not built for areal scenes: adaptive steps, candidates, multipliers, smooth faces,
-/// moving forces, probes, microphones.
+/// for what is not built for areal scenes: smooth faces.
 Model make_model(const Scene& scene);
 
 /// The faces of an areal scene, on rows of constant y.

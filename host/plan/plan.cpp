@@ -438,7 +438,7 @@ SoundPlan plan_sound(const Model& model, std::vector<std::string>& notes) {
   SoundPlan plan;
   plan.microphones = scene.output.microphones.size();
   if (plan.microphones == 0) return plan;
-  const Radiator face = strip(model.resonator, scene.resonator.width);
+  const Radiator face = face_of(model.resonator, scene.resonator);
   const Air air = air_of(scene.air.celsius, scene.air.pascal);
   const auto samples = static_cast<std::size_t>(model.kept_samples());
   const double rate = scene.output.rate;

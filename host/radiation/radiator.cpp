@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/body/plate.hpp"
 #include "host/radiation/quadrature.hpp"
 
 namespace ra2d {
@@ -52,6 +53,19 @@ Radiator supported_plate(double length, double width, const std::vector<PlateMod
     radiator.across.emplace_back(
         [turning = n * M_PI / width](double y) { return std::sin(turning * y); });
   radiator.turning_across = most * M_PI / width;
+  return radiator;
+}
+
+Radiator face_of(const Body& body, const BodySpec& spec) {
+  if (spec.kind != BodyKind::plate) return strip(body, spec.width);
+  std::vector<PlateMode> numbers;
+  for (const PinnedPlateMode& mode : plate_modes(spec, static_cast<int>(body.modes.size())))
+    numbers.push_back({mode.m, mode.n});
+  Radiator radiator = supported_plate(spec.length, spec.width, numbers);
+  for (RadiatingMode& mode : radiator.modes)
+    mode.along = [along = mode.along, size = 2 / std::sqrt(spec.length * spec.width)](double x) {
+      return size * along(x);
+    };
   return radiator;
 }
 

@@ -38,6 +38,10 @@ struct PlateMode {
 };
 Radiator supported_plate(double length, double width, const std::vector<PlateMode>& numbers);
 
+/// The face of a resonator with the modes of its body: a strip, or a plate whose shapes' squares
+/// have the integral 1.
+Radiator face_of(const Body& body, const BodySpec& spec);
+
 /// Integral of a mode's squared shape over the face: of a strip's mode its width [m].
 std::vector<double> squared_shapes(const Radiator& radiator);
 

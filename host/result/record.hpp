@@ -24,6 +24,7 @@ struct Shock {
   double peak_force = 0;  // N
   double impulse = 0;     // N s
   double position = 0;    // m on the resonator, mean weighted by force
+  double y = 0;           // m, areal scenes: the same across
 };
 
 /// Whether all values of the samples are numbers.

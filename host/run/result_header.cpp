@@ -32,7 +32,8 @@ ModesHeader make_modes(const Body& body, std::size_t nodes, double spacing) {
   return header;
 }
 
-/// Shapes of an areal body are in closed form.
+/// Shapes of an areal body are products of one along x and one along y: at evenly spaced places, 16
+/// to the shortest half wave but at most 1001.
 ModesHeader areal_modes(const Body& body, const BodySpec& spec, double spacing) {
   ModesHeader header;
   for (const BodyMode& mode : body.modes) header.frequency.push_back(mode.omega / (2 * M_PI));
@@ -41,8 +42,32 @@ ModesHeader areal_modes(const Body& body, const BodySpec& spec, double spacing) 
       header.mode_x.push_back(mode.m);
       header.mode_y.push_back(mode.n);
     }
+  const auto places = [](double length, const std::vector<double>& half_waves) {
+    constexpr double fewest = 64, most = 1000, of_a_half_wave = 16;
+    double parts = fewest;
+    for (const double waves : half_waves) parts = std::max(parts, of_a_half_wave * waves);
+    parts = std::min(parts, most);
+    std::vector<double> found;
+    for (int i = 0; i <= static_cast<int>(parts); ++i) found.push_back(i / parts * length);
+    return found;
+  };
+  header.position = places(spec.length, header.mode_x);
+  header.y = places(spec.width, header.mode_y);
+  for (const BodyMode& mode : body.modes) {
+    for (const double x : header.position) header.shape_x.push_back(shape_at(mode, x));
+    for (const double y : header.y)
+      mode.shape->evaluate_across(y, 1, &header.shape_y.emplace_back());
+  }
   header.mean_square = mean_squares(body, 1, spacing);
   return header;
+}
+
+/// Places along a body, and across it.
+void split(const std::vector<ProbePlace>& places, std::vector<double>& x, std::vector<double>& y) {
+  for (const ProbePlace& place : places) {
+    x.push_back(place.x);
+    if (place.y) y.push_back(*place.y);
+  }
 }
 
 }  // namespace
@@ -66,8 +91,8 @@ ResultHeader result_header(const Model& model, const std::string& key) {
     header.resonator = make_modes(model.resonator, model.resonator_height.size(), spacing);
     header.slider = make_modes(model.slider, model.slider_height.size(), spacing);
   }
-  header.probe_position = model.scene.output.probes;
-  header.slider_probe_position = model.scene.output.slider_probes;
+  split(model.scene.output.probes, header.probe_position, header.probe_y);
+  split(model.scene.output.slider_probes, header.slider_probe_position, header.slider_probe_y);
   header.resonator_height = model.resonator_height;
   header.slider_height = model.slider_height;
   header.spacing = spacing;

@@ -55,10 +55,11 @@ void make_room(SampleBlock& block, const Model& model, std::size_t samples) {
 /// The displacement or velocity of a body at its probes, from its modes.
 class Probes {
  public:
-  Probes(const Body& body, const std::vector<double>& positions) : modes_{body.modes.size()} {
-    for (const double x : positions)
-      for (const BodyMode& mode : body.modes) shapes_.push_back(shape_at(mode, x));
-    count_ = positions.size();
+  Probes(const Body& body, const std::vector<ProbePlace>& places)
+      : modes_{body.modes.size()}, count_{places.size()} {
+    for (const auto& [x, y] : places)
+      for (const BodyMode& mode : body.modes)
+        shapes_.push_back(y ? shape_at(mode, x, *y) : shape_at(mode, x));
   }
   /// Appends the sums over the modes, a probe each.
   void read(const double* amplitudes, std::vector<double>& out) const {
@@ -89,6 +90,9 @@ std::vector<Shock> convert_shocks(const Model& model, const std::vector<Row>& ro
     shock.impulse = row.impulse * tick;
     // a contact that only touched has no force to weight with
     shock.position = (row.impulse > 0 ? row.moment / row.impulse : row.place) * chi;
+    if (model.is_areal)
+      shock.y = model.side + (0.5 + (row.impulse > 0 ? row.across_moment / row.impulse : row.row)) *
+                                 model.spacing_y;
     shocks.push_back(shock);
   }
   return shocks;

@@ -85,9 +85,10 @@ struct SurfaceSpec {
 
 /// A constant force that travels along the resonator, positive upwards.
 struct MovingForce {
-  double force = 0;  // N
-  double speed = 0;  // m/s
-  double start = 0;  // m, where it stands at t = 0
+  double force = 0;              // N
+  double speed = 0;              // m/s
+  double start = 0;              // m, where it stands at t = 0
+  std::optional<double> y = {};  // m, areal scenes: across the resonator
 };
 
 struct BodySpec {
@@ -145,10 +146,18 @@ struct AirSettings {
   double pascal = 101'325;
 };
 
+/// A place on a body: along it, and in areal scenes across it.
+struct ProbePlace {
+  double x = 0;             // m
+  std::optional<double> y;  // m
+  ProbePlace(double along = 0, std::optional<double> across = {}) : x{along}, y{across} {}
+  bool operator==(const ProbePlace&) const = default;
+};
+
 struct OutputSettings {
-  double rate = 0;                    // Hz, samples at t_j = j / rate
-  std::vector<double> probes;         // m, on the resonator
-  std::vector<double> slider_probes;  // m, on the slider
+  double rate = 0;                        // Hz, samples at t_j = j / rate
+  std::vector<ProbePlace> probes;         // on the resonator
+  std::vector<ProbePlace> slider_probes;  // on the slider
   std::vector<MicrophonePlace> microphones;
   double from = 0;             // s: level, energy balance and shock statistics begin here
   std::vector<double> window;  // s, beginning and end of what is sampled; empty: all

@@ -486,6 +486,27 @@ void check_microphones(const Scene& s, Document& document) {
                    "of them");
 }
 
+void check_probes(const Scene& s, const char* key, const std::vector<ProbePlace>& places,
+                  const char* name, const BodySpec& body, Document& document) {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto fault = [&](const std::string& what) {
+      document.fault(fmt::format("output.{}[{}]", key, i), what);
+    };
+    const auto& [x, y] = places[i];
+    const bool is_areal = s.kind == SceneKind::areal;
+    if (is_areal && !y)
+      fault(fmt::format("{} m is not enough in an areal scene: expected a pair, [x, y]", x));
+    else if (!is_areal && y)
+      fault(fmt::format("[{}, {}] m is of areal scenes: expected x alone, {}", x, *y, x));
+    else if (x < 0 || x > body.length)
+      fault(
+          fmt::format("{} m is off the {}: expected a place from 0 to {} m", x, name, body.length));
+    else if (y && !(*y >= 0 && *y <= body.width))
+      fault(fmt::format("y = {} m is off the {}: expected a place from 0 to {} m", *y, name,
+                        body.width));
+  }
+}
+
 void check_output(const Scene& s, Document& document) {
   if (s.output.from > 0 &&
       s.output.from > s.duration * (1 - rounding) - (is_adaptive(s) ? 0.0 : s.time.step))
@@ -504,16 +525,8 @@ void check_output(const Scene& s, Document& document) {
                    fmt::format("[{}] s has no room for two samples at output.rate, {} Hz: expected "
                                "{:g} s or more",
                                fmt::join(s.output.window, ", "), s.output.rate, 1 / s.output.rate));
-  const auto check_places = [&](const char* key, const std::vector<double>& places,
-                                const char* body, double length) {
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (places[i] < 0 || places[i] > length)
-        document.fault(fmt::format("output.{}[{}]", key, i),
-                       fmt::format("{} m is off the {}: expected a place from 0 to {} m", places[i],
-                                   body, length));
-  };
-  check_places("probes", s.output.probes, "resonator", s.resonator.length);
-  check_places("slider_probes", s.output.slider_probes, "slider", s.slider.length);
+  check_probes(s, "probes", s.output.probes, "resonator", s.resonator, document);
+  check_probes(s, "slider_probes", s.output.slider_probes, "slider", s.slider, document);
   check_microphones(s, document);
 }
 
@@ -557,9 +570,21 @@ void check_loads(const Scene& s, Document& document) {
                                       force, most_load));
   };
   check_force("slider.load", s.slider.load);
-  for (std::size_t i = 0; i < s.resonator.moving_forces.size(); ++i)
-    check_force(fmt::format("resonator.moving_force[{}].force", i),
-                s.resonator.moving_forces[i].force);
+  for (std::size_t i = 0; i < s.resonator.moving_forces.size(); ++i) {
+    const MovingForce& moving = s.resonator.moving_forces[i];
+    const std::string name = fmt::format("resonator.moving_force[{}].", i);
+    check_force(name + "force", moving.force);
+    const double width = s.resonator.width;
+    if (s.kind != SceneKind::areal && moving.y)
+      document.fault(name + "y",
+                     "is of areal scenes: expected scene.kind = \"areal\", or drop the key");
+    else if (s.kind == SceneKind::areal && !moving.y)
+      document.fault(name + "y", fmt::format("missing: expected a place from 0 to {} m", width));
+    else if (moving.y && !(*moving.y >= 0 && *moving.y <= width))
+      document.fault(name + "y",
+                     fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
+                                 *moving.y, width));
+  }
   const bool loaded = s.slider.load_is_weight || s.slider.load != 0;
   if (s.slider.support == Support::rigid && loaded && !std::isnan(s.slider.load))
     document.fault("slider.load",

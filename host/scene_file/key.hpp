@@ -278,6 +278,28 @@ Value<Part> numbers(std::vector<double> Part::*member, const std::string& unit) 
   return value;
 }
 
+/// Places on a body: numbers, or pairs `[x, y]`.
+template <class Part>
+Value<Part> places(std::vector<ProbePlace> Part::*member, const std::string& unit) {
+  Value<Part> value{"array of numbers, or of pairs `[x, y]`", unit, "[]", {}, {}, {}, {}};
+  value.read = [=](Reader& in, const std::string& key, Need, Part& part) {
+    for (const std::vector<double>& place : in.numbers_or_pairs(key, unit)) {
+      if (place.empty()) continue;  // a fault
+      (part.*member).emplace_back(place[0]);
+      if (place.size() == 2) (part.*member).back().y = place[1];
+    }
+  };
+  value.toml = [=](const Part& part, const Scene&) {
+    std::vector<std::string> texts;
+    for (const ProbePlace& place : part.*member)
+      texts.push_back(place.y ? toml_array({toml_number(place.x), toml_number(*place.y)})
+                              : toml_number(place.x));
+    return toml_array(texts);
+  };
+  value.is_given = [=](const Part& part) { return !(part.*member).empty(); };
+  return value;
+}
+
 // ---- all keys of a section or of a table
 
 /// Reads the keys of a table that is there or missing. One that is missing, and whose need is not

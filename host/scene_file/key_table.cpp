@@ -364,7 +364,12 @@ const Keys<MovingForce>& of_moving_force() {
   static const Keys<M> keys{
       {{"force", number(&M::force, any_number, "N"), required<M>(), "positive upwards"},
        {"speed", number(&M::speed, not_negative, "m/s"), required<M>(), "along the resonator"},
-       {"start", number(&M::start, any_number, "m"), required<M>(), "where it stands at t = 0"}}};
+       {"start", number(&M::start, any_number, "m"), required<M>(), "where it stands at t = 0"},
+       {"y",
+        number(&M::y, any_number, "m"),
+        may_stand<M>("required in areal scenes"),
+        "across the resonator",
+        {"areal", nullptr}}}};
   return keys;
 }
 
@@ -509,9 +514,10 @@ const Keys<OutputSettings>& of_output() {
       {{"rate", number(&O::rate, positive, "Hz", 100e3), has_default<O>(),
         "samples are taken at t = j/rate. With fixed steps at most one a step; at most 1e11 in a "
         "run. `ra2d run` begins nothing that the disk has no room for"},
-       {"probes", numbers(&O::probes, "m"), has_default<O>(),
-        "places on the resonator where displacement and velocity are written"},
-       {"slider_probes", numbers(&O::slider_probes, "m"), has_default<O>(),
+       {"probes", places(&O::probes, "m"), has_default<O>(),
+        "places on the resonator where displacement and velocity are written; in areal scenes "
+        "pairs"},
+       {"slider_probes", places(&O::slider_probes, "m"), has_default<O>(),
         "such places on the slider"},
        {"microphones", tables(&O::microphones, of_microphone()), may_stand<O>("none"),
         "places above the resonator, `{ x, y, z }` in m, whose [sound](sound.md) ends the report"},

@@ -563,6 +563,35 @@ std::vector<double> Reader::numbers(const std::string& key, const std::string& u
   return out;
 }
 
+std::vector<std::vector<double>> Reader::numbers_or_pairs(const std::string& key,
+                                                          const std::string& unit) {
+  auto& parts = *document_->parts_;
+  const std::string expected = of("an array of numbers", unit);
+  const toml::node* node = parts.take(index_, key, Need::optional, expected);
+  if (node == nullptr) return {};
+  const std::string path = join(parts.seen[index_].path, key);
+  std::vector<std::vector<double>> out;
+  const auto* array = node->as_array();
+  if (array == nullptr) {
+    parts.wrong(*node, path, expected);
+    return out;
+  }
+  for (const toml::node& element : *array) {
+    const std::string place = fmt::format("{}[{}]", path, out.size());
+    const auto number = [&](const toml::node& one) {
+      return parts.number(one, place, any_number, unit, of(any_number.words, unit));
+    };
+    std::vector<double>& numbers = out.emplace_back();
+    if (const auto* pair = element.as_array(); pair == nullptr)
+      numbers = {number(element)};
+    else if (pair->size() == 2)
+      numbers = {number((*pair)[0]), number((*pair)[1])};
+    else
+      parts.wrong(element, place, of("a number, or two in brackets", unit));
+  }
+  return out;
+}
+
 std::optional<Reader> Reader::table(const std::string& key) {
   auto& parts = *document_->parts_;
   const toml::node* node = parts.take(index_, key, Need::optional, "a table");

@@ -68,6 +68,9 @@ class Reader {
   std::optional<std::string> text(const std::string& key, const std::string& what, Need need);
   std::optional<bool> boolean(const std::string& key);
   std::vector<double> numbers(const std::string& key, const std::string& unit);
+  /// As numbers(), but an element may also be two numbers in brackets.
+  std::vector<std::vector<double>> numbers_or_pairs(const std::string& key,
+                                                    const std::string& unit);
   std::optional<Reader> table(const std::string& key);
   std::vector<Reader> tables(const std::string& key, Need need);
 

@@ -15,8 +15,9 @@ namespace ra2d {
 /// Raised when a sampled dataset comes, or when any changes its meaning or goes.
 inline constexpr std::int64_t file_format = 3;
 /// Of a file of an areal scene: as format 3, with maps for profiles, numbers of half waves for
-/// shapes, and the units of bodies that have an area.
-inline constexpr std::int64_t areal_format = 4;
+/// shapes, the y of shocks, and the units of bodies that have an area. An older one is not read.
+inline constexpr std::int64_t areal_format = 5;
+inline constexpr std::int64_t old_areal_format = 4;
 /// The oldest format that is read. In format 2 the scale of the shocks is their start, counts are
 /// stored as doubles, and groups have no description.
 inline constexpr std::int64_t oldest_format = 2;

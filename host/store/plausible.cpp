@@ -52,6 +52,10 @@ std::string fault_of_bodies(const ResultContents& c, const std::optional<Scene>&
     return "/probes/position has a place outside the resonator";
   if (outside(c.slider_probe_position, scene ? scene->slider.length : unbounded))
     return "/slider_probes/position has a place outside the slider";
+  if (outside(c.probe_y, scene ? scene->resonator.width : unbounded))
+    return "/probes/y has a place outside the resonator";
+  if (outside(c.slider_probe_y, scene ? scene->slider.width : unbounded))
+    return "/slider_probes/y has a place outside the slider";
   return {};
 }
 
@@ -61,6 +65,7 @@ std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& 
   const double end = scene ? (1 + slack) * scene->duration + 2 * scene->time.step
                            : std::numeric_limits<double>::max();
   const double length = scene ? scene->resonator.length : std::numeric_limits<double>::max();
+  const double width = scene ? scene->resonator.width : std::numeric_limits<double>::max();
   const double aside = scene ? scene->spacing : 0;
   if (c.samples > 0 && !within(c.end, 0, end))
     return fmt::format("its samples end at {} s, which is no time of the run", c.end);
@@ -75,6 +80,8 @@ std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& 
                          shock.start, shock.duration);
     if (!within(shock.position, -aside - slack * length, (1 + slack) * length + aside))
       return fmt::format("a shock is at {} m, outside the resonator", shock.position);
+    if (!within(shock.y, -slack * width, (1 + slack) * width))
+      return fmt::format("a shock is at y = {} m, outside the resonator", shock.y);
   }
   return {};
 }

@@ -154,7 +154,8 @@ std::vector<Shock> shocks_of(hid_t file, std::int64_t format) {
   std::vector<Shock> shocks;
   bool numbered = false;
   for (const Entry& entry : entries())
-    if (const PerShock* member = source_of<PerShock>(entry)) {
+    if (const PerShock* member = source_of<PerShock>(entry);
+        member != nullptr && entry.is_of(format == areal_format)) {
       const char* const path = entry.path_in(format);
       if (path == entry.old_path && !has(file, path)) continue;
       const std::vector<double> values = all_of(file, path);
@@ -216,6 +217,10 @@ ResultContents contents_of(hid_t file, std::int64_t format) {
   contents.mean_square = all_of(file, "resonator/mean_square");
   contents.probe_position = all_of(file, "probes/position");
   contents.slider_probe_position = all_of(file, "slider_probes/position");
+  if (format == areal_format) {
+    contents.probe_y = all_of(file, "probes/y");
+    contents.slider_probe_y = all_of(file, "slider_probes/y");
+  }
   contents.shocks = shocks_of(file, format);
   contents.summary = summary_of(file);
   if (const std::string what = implausible(contents); !what.empty()) throw Fault{what};
@@ -234,10 +239,10 @@ h5::File open(const std::filesystem::path& path, Bytes bytes) {
       check(H5Aexists(file, "format")) == 0)
     throw Fault{"it is no result of ra2d: expected a file that 'ra2d run' wrote"};
   if (const std::int64_t format = number_attribute(file, "format");
-      format < oldest_format || format > areal_format)
+      format < oldest_format || format > areal_format || format == old_areal_format)
     throw Fault{fmt::format(
-        "its format is {}, and this program reads {} to {}: {}", format, oldest_format,
-        areal_format,
+        "its format is {}, and this program reads {}, {} and {}: {}", format, oldest_format,
+        file_format, areal_format,
         format > areal_format ? "a newer ra2d wrote it" : "run its scene again with this program")};
   return file;
 }
@@ -370,7 +375,8 @@ SampleBlock ResultReader::samples(std::size_t first, std::size_t count) const {
   SampleBlock block;
   guarded(impl_->path, [&] {
     for (const Entry& entry : entries())
-      if (const Sampled* member = source_of<Sampled>(entry)) {
+      if (const Sampled* member = source_of<Sampled>(entry);
+          member != nullptr && entry.is_of(contents().is_areal)) {
         if (entry.is_modal() && !contents().has_modes) continue;
         Table table{&entry, h5::Dataset{check(H5Dopen2(impl_->file, entry.path, H5P_DEFAULT))}};
         const std::vector<hsize_t> extent = extent_of(table.dataset, entry.path);

@@ -28,7 +28,8 @@ struct ResultContents {
   std::vector<double> mean_square;            // 1/m, of the resonator's elastic modes; areal: 1/m^2
   std::vector<double> probe_position;         // m, on the resonator
   std::vector<double> slider_probe_position;  // m, on the slider
-  std::vector<Shock> shocks;                  // in order of start
+  std::vector<double> probe_y, slider_probe_y;  // m, across them, of an areal scene
+  std::vector<Shock> shocks;                    // in order of start
   ResultSummary summary;  // NaN where the file has none; complete and ended as it says
 };
 

@@ -18,10 +18,14 @@ namespace ra2d {
 
 /// A body's modes; it may have none.
 struct ModesHeader {
-  std::vector<double> frequency;       // Hz
-  std::vector<double> position;        // m, places along the body
-  std::vector<double> shape;           // (mode, position), m^-1/2
-  std::vector<double> mode_x, mode_y;  // of an areal scene instead: half waves along x and y
+  std::vector<double> frequency;  // Hz
+  std::vector<double> position;   // m, places along the body
+  std::vector<double> shape;      // (mode, position), m^-1/2
+  // of an areal scene instead
+  std::vector<double> mode_x, mode_y;  // half waves along x and y
+  std::vector<double> y;               // m, places across the body
+  std::vector<double> shape_x;         // (mode, position), 1/m: where the shape is largest across
+  std::vector<double> shape_y;         // (mode, y): the shape over that
   MeanSquares mean_square;  // 1/m, of the shape over all the nodes; 0 of a rigid mode. Areal:
                             // 1/m^2, over the area
 };
@@ -42,6 +46,7 @@ struct ResultHeader {
   std::string started;       // ISO 8601, UTC
   ModesHeader resonator, slider;
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
+  std::vector<double> probe_y, slider_probe_y;                // m, of an areal scene
   SharedNumbers resonator_height, slider_height;              // m, the profiles used, row by row
   double spacing = 0;                                         // m, chi
   bool is_areal = false;

@@ -46,7 +46,7 @@ class MovingForceSeries {
       const int patch = on ? static_cast<int>(x / motion_.spacing) / patches_.nodes : 0;
       const double ticks = ticks_to_edge(f, x, on, patch);
       if (ticks < least) least = ticks;
-      if (on) add(f, x, patch, scale);
+      if (on) add(i, x, patch, scale);
     }
     return static_cast<std::int64_t>(least);
   }
@@ -103,7 +103,8 @@ class MovingForceSeries {
   }
 
   /// Adds the series of a force at x [m], on that patch.
-  RA2D_FUNCTION void add(const MovingForceTable& f, double x, int patch, double scale) const {
+  RA2D_FUNCTION void add(int force, double x, int patch, double scale) const {
+    const MovingForceTable& f = forces_.list[force];
     const Real eta((x / motion_.spacing - (patch + 0.5) * patches_.nodes) *
                    patches_.inverse_radius);
     const double eta_per_x =
@@ -113,12 +114,14 @@ class MovingForceSeries {
     for (int p = 0; p < packs; ++p) {
       Real c[most_terms];
       full_series<Lanes, packs>(lanes_, patches_, rows, p, c);
-      double power = f.force;
+      Real power(f.force);
+      if (forces_.across != nullptr) [[unlikely]]
+        power = power * lanes_.load(forces_.across + (force * packs + p) * width);
       for (int m = 0; m < patches_.terms && m <= adaptive_.order;
            ++m) {  // repeated synthetic division
         for (int j = patches_.terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
         lanes_.store(term(m, p), multiply_add(power, c[m], lanes_.load(term(m, p))));
-        power *= eta_per_x;
+        power = power * eta_per_x;
       }
     }
   }

@@ -41,6 +41,10 @@ class OuterForces {
       if (x < 0.0 || x > forces_.resonator_length) continue;
       Real psi[packs];
       mode_values<Lanes, packs>(lanes_, patches_, x / motion_.spacing, psi);
+      if (forces_.across != nullptr) [[unlikely]] {
+        const double* const across = forces_.across + i * packs * Lanes::width;
+        for (int p = 0; p < packs; ++p) psi[p] = psi[p] * lanes_.load(across + p * Lanes::width);
+      }
       for (int p = 0; p < packs; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
   }

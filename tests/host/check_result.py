@@ -42,16 +42,20 @@ DATASETS = {  # group: {name: (units, axes)}
     "surface/slider": {"position": ("m", NODES), "height": ("m", NODES)},
     "surface/resonator": {"position": ("m", NODES), "height": ("m", NODES)},
 }
-AREAL_FORMAT = 4
+AREAL_FORMAT = 5
+GRID = {"mode": ("1", MODE), "position": ("m", NODES), "y": ("m", ("y",))}
 HALF_WAVES = {"mode_x": ("1", MODE), "mode_y": ("1", MODE)}
-AREAL_BODY = {"frequency": ("Hz", MODE), "mean_square": ("m-2", MODE), "displacement": ("m2", MODES), "velocity": ("m2 s-1", MODES), "time": ("s", TIME)}
+AREAL_BODY = {"frequency": ("Hz", MODE), "shape_x": ("m-1", ("mode", "position")), "shape_y": ("1", ("mode", "y")), "mean_square": ("m-2", MODE), "displacement": ("m2", MODES), "velocity": ("m2 s-1", MODES), "time": ("s", TIME)}
+AREAL_PROBE = {"probe": ("1", ("probe",)), "position": ("m", ("probe",)), "y": ("m", ("probe",)),
+               "displacement": ("m", ("time", "probe")), "velocity": ("m s-1", ("time", "probe")), "time": ("s", TIME)}
 MAP = {"position": ("m", NODES), "y": ("m", ("y",)), "height": ("m", ("y", "position"))}
-AREAL_DATASETS = DATASETS | {"resonator": {"mode": ("1", MODE), **HALF_WAVES, **AREAL_BODY}, "slider": {"mode": ("1", MODE), **AREAL_BODY},
-                             "surface/slider": MAP, "surface/resonator": MAP}
+AREAL_DATASETS = DATASETS | {"resonator": {**GRID, **HALF_WAVES, **AREAL_BODY}, "slider": {**GRID, **AREAL_BODY},
+                             "probes": AREAL_PROBE, "slider_probes": AREAL_PROBE,
+                             "shocks": DATASETS["shocks"] | {"y": ("m", SHOCK)}, "surface/slider": MAP, "surface/resonator": MAP}
 # left out where there is none: without shocks, or when the run ended before output.from
 NOT_ALWAYS = {"level/v_rms", "level/lv", "summary/v_rms", "summary/lv", "summary/shock_rate", "summary/contact_share"} | {
     f"summary/{name}" for name in SUMMARY if name.startswith(("shock_duration", "peak_force")) or name.endswith(("_low", "_high"))}
-COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode", "resonator/mode_x", "resonator/mode_y"}  # integers
+COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode", "resonator/mode_x", "resonator/mode_y", "probes/probe", "slider_probes/probe"}  # integers
 ATTRIBUTES = {"creator": str, "format": np.integer, "version": str, "commit": str, "scene": str, "key": str, "backend": str, "threads": np.integer,
               "started": str, "wall_seconds": np.floating, "steps": np.integer, "complete": np.integer, "ended": str}
 

@@ -394,13 +394,31 @@ TEST_P(ArealRefuses, WithTheCure) {
 const std::vector<ArealRefused> areal_refused{
     // not built
     {"Smooth", {"scene.faces=smooth"}, {"scene.faces", "\"linear\""}},
-    {"MovingForce",
-     {"resonator.moving_force=[{force=1,speed=1,start=0}]"},
-     {"resonator.moving_force", "leave them out"}},
-    {"Probes", {"output.probes=[0.01]"}, {"output.probes", "leave them out"}},
-    {"SliderProbes", {"output.slider_probes=[1e-4]"}, {"output.slider_probes"}},
-    {"Microphones", {"output.microphones=[{x=0,y=0,z=1}]"}, {"output.microphones"}},
     {"Hertz", {"contact.stiffness=hertz"}, {"contact.stiffness", "a number in Pa/m"}},
+    // places across
+    {"ForceWithoutY",
+     {"resonator.moving_force=[{force=1,speed=1,start=0}]"},
+     {"resonator.moving_force[0].y", "missing: expected a place from 0 to 0.04 m"}},
+    {"ForceBesideThePlate",
+     {"resonator.moving_force=[{force=1,speed=1,start=0,y=0.041}]"},
+     {"resonator.moving_force[0].y", "0.041 m is off the resonator"}},
+    {"ForceNowhere",
+     {"resonator.moving_force=[{force=1,speed=1,start=0,y=nan}]"},
+     {"resonator.moving_force[0].y", "expected a number"}},
+    {"ProbeWithoutY", {"output.probes=[[0.01,0.01],0.01]"}, {"output.probes[1]", "a pair, [x, y]"}},
+    {"ProbeBesideThePlate",
+     {"output.probes=[[0.01,-1e-3]]"},
+     {"output.probes[0]: y = -0.001 m is off the resonator", "from 0 to 0.04 m"}},
+    {"ProbeBehindThePlate",
+     {"output.probes=[[0.07,0.01]]"},
+     {"output.probes[0]: 0.07 m is off the resonator"}},
+    {"ProbeOfThree",
+     {"output.probes=[[0.01,0.01,0.01]]"},
+     {"output.probes[0]", "a number, or two in brackets"}},
+    {"ProbeOfWords", {"output.probes=[[0.01,\"a\"]]"}, {"output.probes[0]"}},
+    {"SliderProbeBesideTheBlock",
+     {"output.slider_probes=[[1e-4,1.3e-3]]"},
+     {"output.slider_probes[0]: y = 0.0013 m is off the slider"}},
     // bodies
     {"PinnedBlock", {"slider.support=pinned"}, {"slider.support", "\"free\" or \"rigid\""}},
     {"BendingBlock", {"slider.modes=2"}, {"slider.modes", "expected 0"}},
@@ -486,6 +504,9 @@ TEST(ArealScene, PlaneScenesRefuseItsKeys) {
     }
     return "taken";
   };
+  EXPECT_THAT(refused("output.probes=[[0.1,0.01]]"), HasSubstr("expected x alone, 0.1"));
+  EXPECT_THAT(refused("resonator.moving_force=[{force=1,speed=1,start=0,y=0.1}]"),
+              HasSubstr("expected scene.kind = \"areal\""));
   for (const std::string key : {"scene.spacing_y=1e-5", "scene.side=0.01",
                                 "slider.surface.rsm_y=1e-3", "slider.surface.rsm_y=inf"})
     EXPECT_THAT(refused(key), AllOf(HasSubstr(key.substr(0, key.find('='))),
@@ -600,13 +621,89 @@ TEST_F(ArealProgram, TheLevelIsThatOfThePlatesArea) {
   EXPECT_NEAR(double(Json::parse(ran.out)["v_rms"]), expected, 1e-12 * expected);
 }
 
+/// Sums over psi_mn = 2/sqrt(a b) sin(m pi x/a) sin(n pi y/b).
+TEST_F(ArealProgram, ProbesAreSumsOfTheModes) {
+  const test::Ended ran = run(rough({"run", "s.toml", "-o", "a.h5", "--set",
+                                     "output.probes=[[0.013, 0.007], [0.03, 0.02], [0.02, 0]]",
+                                     "--set", "output.slider_probes=[[0, 1.2e-3]]"}));
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  const fs::path file = folder_.path() / "a.h5";
+  EXPECT_THAT(numbers_in(file, "/probes/position"), ElementsAre(0.013, 0.03, 0.02));
+  EXPECT_THAT(numbers_in(file, "/probes/y"), ElementsAre(0.007, 0.02, 0));
+  const std::vector<PinnedPlateMode> modes = plate_modes(areal().resonator, 20);
+  for (const char* what : {"displacement", "velocity"}) {
+    const std::string name = what;
+    const std::vector<double> u = numbers_in(file, ("/resonator/" + name).c_str()),
+                              w = numbers_in(file, ("/slider/" + name).c_str()),
+                              read = numbers_in(file, ("/probes/" + name).c_str()),
+                              ridden = numbers_in(file, ("/slider_probes/" + name).c_str());
+    const std::size_t last = u.size() / 20 - 1;
+    for (const std::size_t p : {0, 1, 2}) {
+      const double x[] = {0.013, 0.03, 0.02}, y[] = {0.007, 0.02, 0};
+      double sum = 0, size = 0;
+      for (std::size_t k = 0; k < 20; ++k) {
+        const double part = u[last * 20 + k] * 2 / std::sqrt(0.06 * 0.04) *
+                            std::sin(modes[k].m * M_PI * x[p] / 0.06) *
+                            std::sin(modes[k].n * M_PI * y[p] / 0.04);
+        sum += part;
+        size += std::abs(part);
+      }
+      EXPECT_NEAR(read[last * 3 + p], sum, 1e-13 * size + 1e-30) << what << " of probe " << p;
+    }
+    EXPECT_EQ(read[last * 3 + 2], 0) << "on the plate's edge";
+    // at the corner: heave, less pitch, and roll
+    const double area = 1e-3 * 1.2e-3;
+    const double corner =
+        (w[last * 3] + std::sqrt(3) * (w[last * 3 + 2] - w[last * 3 + 1])) / std::sqrt(area);
+    EXPECT_NEAR(ridden[last], corner, 1e-12 * std::abs(w[last * 3]) / std::sqrt(area));
+  }
+}
+
+TEST_F(ArealProgram, ShapesStandOnAGrid) {
+  ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
+  const fs::path file = folder_.path() / "a.h5";
+  const std::vector<double> x = numbers_in(file, "/resonator/position"),
+                            y = numbers_in(file, "/resonator/y"),
+                            of_x = numbers_in(file, "/resonator/shape_x"),
+                            of_y = numbers_in(file, "/resonator/shape_y");
+  ASSERT_EQ(of_x.size(), 20 * x.size());
+  ASSERT_EQ(of_y.size(), 20 * y.size());
+  EXPECT_EQ(x.back(), 0.06);
+  EXPECT_EQ(y.back(), 0.04);
+  const std::vector<PinnedPlateMode> modes = plate_modes(areal().resonator, 20);
+  for (std::size_t k = 0; k < 20; ++k)
+    for (const std::size_t i : {std::size_t{0}, x.size() / 3, x.size() - 1})
+      for (const std::size_t j : {std::size_t{0}, y.size() / 5, y.size() - 1})
+        EXPECT_NEAR(of_x[k * x.size() + i] * of_y[k * y.size() + j],
+                    2 / std::sqrt(0.06 * 0.04) * std::sin(modes[k].m * M_PI * x[i] / 0.06) *
+                        std::sin(modes[k].n * M_PI * y[j] / 0.04),
+                    1e-11);
+}
+
+/// Radiation efficiency: W over rho c times the area times the mean square of the velocity on it.
+TEST_F(ArealProgram, SoundIsThatOfThePlate) {
+  ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5", "--set", "output.rate=1e6", "--set",
+                       "time.scheme=rk4"}))
+                .status,
+            0);
+  const test::Ended heard = run({"analyze", "a.h5", "--power", "--at", "0.03,0.02,0.05", "--json"});
+  ASSERT_EQ(heard.status, 0) << heard.err;
+  const Json found = Json::parse(heard.out);
+  EXPECT_GT(double(found["microphones"][0]["p_rms"]), 0);
+  const std::vector<double> v = numbers_in(folder_.path() / "a.h5", "/resonator/velocity");
+  double sum = 0;
+  for (const double value : v) sum += value * value;
+  const double mean_square = sum / (static_cast<double>(v.size()) / 20) / (0.06 * 0.04);
+  const double flow = double(found["air"]["density"]) * double(found["air"]["sound_speed"]);
+  const double expected = double(found["power"]["watts"]) / (flow * 0.06 * 0.04 * mean_square);
+  EXPECT_NEAR(double(found["power"]["efficiency"]), expected, 0.01 * expected);
+}
+
 TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
   ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
   EXPECT_EQ(run({"analyze", "a.h5"}).status, 0);
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"analyze", "a.h5", "--power"},
-        {"analyze", "a.h5", "--at", "0.1,0.1,1"},
-        {"plan", "s.toml", "--accuracy", "0.1"},
+       {std::vector<std::string>{"plan", "s.toml", "--accuracy", "0.1"},
         {"uncertainty", "s.toml", "--set", "slider.surface={kind=\"file\",path=\"s.toml\"}"},
         {"chart", "stability", "s.toml"},
         {"chart", "accuracy", "s.toml"}}) {

@@ -369,6 +369,19 @@ TEST(Resistance, OfASupportedPlateIsWallaces) {
   }
 }
 
+/// The modes of a plate have the integral 1 of their squares.
+TEST(Resistance, OfAPlateIsThatOfItsModes) {
+  BodySpec spec = plate_spec();
+  spec.kind = BodyKind::plate;
+  const Body body = make_body(spec);
+  const Radiator face = face_of(body, spec);
+  ASSERT_GT(face.modes.size(), 3);
+  for (const double square : squared_shapes(face)) EXPECT_NEAR(square, 1, 1e-12);
+  for (std::size_t k = 0; k < face.modes.size(); ++k)
+    EXPECT_NEAR(face.modes[k].along(0.07) * face.across[face.modes[k].across](0.11),
+                shape_at(body.modes[k], 0.07, 0.11), 1e-11);
+}
+
 TEST(Resistance, OfAShortWaveIsThatOfAPlaneWave) {
   // a face of many wavelengths that moves as a whole: sigma -> 1
   const Radiator face = piston(0.3, 0.2);

@@ -96,6 +96,21 @@ TEST(Shocks, LastFromTheirFirstStepThroughTheirLast) {
   EXPECT_NEAR(touched[0].position, 25 * 4e-5, 4 * eps * 25 * 4e-5);
 }
 
+/// Rows stand in the middle of their strips; without a force the row is that of the first node.
+TEST(Shocks, OfArealScenesStandOnTheirRows) {
+  Model model = make_model(two_beams());
+  const std::vector<ShockRow> rows{
+      {.serial = 0, .start = 1, .last = 2, .impulse = 5, .moment = 0, .across_moment = 15},
+      {.serial = 1, .start = 7, .last = 7, .place = 25, .row = 4}};
+  for (const Shock& shock : make_shocks(model, rows)) EXPECT_EQ(shock.y, 0);
+  model.is_areal = true;
+  model.side = 0.01;
+  model.spacing_y = 2e-4;
+  const std::vector<Shock> shocks = make_shocks(model, rows);
+  EXPECT_NEAR(shocks[0].y, 0.01 + 3.5 * 2e-4, 4 * eps * 0.01);
+  EXPECT_NEAR(shocks[1].y, 0.01 + 4.5 * 2e-4, 4 * eps * 0.01);
+}
+
 TEST(EnergyAccount, BeginsWithTheFirstSampleThatCounts) {
   SampleBlock block;
   block.time = {0, 1, 2, 3};

@@ -48,6 +48,8 @@ class Reader : public testing::Test {
     header.slider.mean_square = std::vector<double>{0, 0, 5};
     header.probe_position = {0.5};
     header.compression = compression_;
+    header.is_areal = is_areal_;
+    header.resonator.mode_x = header.resonator.mode_y = {1, 2};
     ResultFile file(path_, header);
     SampleBlock b;
     for (std::size_t j = 0; j < samples; ++j) {
@@ -113,6 +115,7 @@ class Reader : public testing::Test {
   }
   std::string scene_ = "[scene]\n";
   Compression compression_ = Compression::none;
+  bool is_areal_ = false;
   const test::Folder folder_;
   const fs::path path_ = folder_.path() / "out.h5";
 };
@@ -174,14 +177,15 @@ TEST_F(Reader, RefusesWhatIsNoResult) {
 
 TEST_F(Reader, RefusesAnotherFormat) {
   write(3);
-  for (const std::int64_t format : {1, 1000}) {
+  for (const std::int64_t format : {1, 4, 1000}) {
     change([&](hid_t file) {
       const hid_t attribute = H5Aopen(file, "format", H5P_DEFAULT);
       H5Awrite(attribute, H5T_NATIVE_INT64, &format);
       H5Aclose(attribute);
     });
-    EXPECT_THAT(refusal(),
-                HasSubstr(fmt::format("its format is {}, and this program reads", format)));
+    EXPECT_THAT(refusal(), HasSubstr(fmt::format(
+                               "its format is {}, and this program reads 2, 3 and 5: {}", format,
+                               format > 5 ? "a newer ra2d" : "run its scene again")));
   }
 }
 
@@ -304,6 +308,12 @@ TEST_F(Reader, RefusesWhatIsMissingOrOfTheWrongShape) {
               HasSubstr("/energy/elastic is missing"));
   EXPECT_THAT(with([](hid_t f) { H5Ldelete(f, "resonator", H5P_DEFAULT); }),
               HasSubstr("/resonator/mode is missing"));
+  is_areal_ = true;
+  EXPECT_THAT(with([](hid_t f) { H5Ldelete(f, "shocks/y", H5P_DEFAULT); }),
+              HasSubstr("/shocks/y is missing"));
+  EXPECT_THAT(with([&](hid_t f) { replace(f, "shocks/y", {3}, H5T_NATIVE_DOUBLE); }),
+              HasSubstr("/shocks/y is of the shape (3), its axes of (2)"));
+  is_areal_ = false;
   EXPECT_THAT(with([&](hid_t f) { replace(f, "contact/force", {4}, H5T_NATIVE_DOUBLE); }),
               HasSubstr("/contact/force is of the shape (4), its axes of (5)"));
   EXPECT_THAT(with([&](hid_t f) {
@@ -514,6 +524,9 @@ TEST_F(Reader, TakesNoNumberThatNoRunComesTo) {
   EXPECT_THAT(with("summary/v_rms", 2e-3), HasSubstr("another value than the file has elsewhere"));
   EXPECT_THAT(with("summary/contact_share", 1.1), HasSubstr("expected at most 1"));
   EXPECT_THAT(with("summary/shock_duration_90", -1), HasSubstr("which no run comes to"));
+  is_areal_ = true;
+  EXPECT_THAT(with("shocks/y", 0.05), "no FileError");
+  EXPECT_THAT(with("shocks/y", 0.11), HasSubstr("at y = 0.11 m, outside the resonator"));
 }
 
 }  // namespace

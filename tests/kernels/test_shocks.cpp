@@ -18,11 +18,13 @@ namespace ra2d {
 
 static bool operator==(const ShockRow& a, const ShockRow& b) {
   return a.serial == b.serial && a.start == b.start && a.last == b.last && a.peak == b.peak &&
-         a.impulse == b.impulse && a.moment == b.moment;
+         a.impulse == b.impulse && a.moment == b.moment && a.across_moment == b.across_moment &&
+         a.row == b.row;
 }
 static bool operator==(const OpenShock& a, const OpenShock& b) {
   return a.serial == b.serial && a.start == b.start && a.last == b.last && a.force == b.force &&
-         a.peak == b.peak && a.impulse == b.impulse && a.moment == b.moment;
+         a.peak == b.peak && a.impulse == b.impulse && a.moment == b.moment &&
+         a.across_moment == b.across_moment && a.row == b.row;
 }
 static bool operator==(const ContactRun& a, const ContactRun& b) {
   return a.first == b.first && a.last == b.last && a.shock == b.shock && a.force == b.force &&
@@ -30,7 +32,8 @@ static bool operator==(const ContactRun& a, const ContactRun& b) {
 }
 static void PrintTo(const ShockRow& r, std::ostream* out) {
   *out << "{serial " << r.serial << ", steps " << r.start << " to " << r.last << ", peak " << r.peak
-       << ", impulse " << r.impulse << ", moment " << r.moment << "}";
+       << ", impulse " << r.impulse << ", moment " << r.moment << ", across " << r.across_moment
+       << ", row " << r.row << "}";
 }
 
 }  // namespace ra2d
@@ -63,6 +66,7 @@ struct Pattern {
   }
   static double position(int step) { return 100 + 0.25 * step; }
   int along(int node) const { return row == 0 ? node : node % row; }
+  int across(int node) const { return row == 0 ? 0 : node / row; }
   /// From a node to itself and its neighbours.
   std::vector<int> asides() const {
     if (row == 0) return {-1, 0, 1};
@@ -228,8 +232,9 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
           continues = continues || pattern.touches(step - 1, node + aside) ||
                       (aside < -1 && pattern.touches(step, node + aside));
       if (continues) continue;
-      shocks.try_emplace(whole[place(step, first)], ShockRow{serial, step, step, 0, 0, 0, 0});
-      ++serial;
+      ShockRow begun{.serial = serial++, .start = step, .last = step};
+      begun.row = pattern.across(first);
+      shocks.try_emplace(whole[place(step, first)], begun);
     }
     // what had met by this step counts as one shock: the peak is the largest force of such a one
     const std::vector<int> now = flood(pattern, step);
@@ -242,6 +247,7 @@ std::vector<ShockRow> expected_shocks(const Pattern& pattern) {
         shock.last = step;
         shock.impulse += f;
         shock.moment += f * (pattern.along(node) + Pattern::position(step));
+        shock.across_moment += f * pattern.across(node);
       }
     for (int node = 0; node < pattern.nodes; ++node)
       if (pattern.touches(step, node)) {

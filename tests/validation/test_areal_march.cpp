@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/body/plate.hpp"
 #include "tests/areal_reference.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/compare.hpp"
@@ -116,12 +117,14 @@ class ArealMarch : public testing::TestWithParam<Rough> {
   static void compare_shocks(const Recording& r, double step, double error) {
     std::vector<ArealShock> expected = reference().shocks;
     struct Found {
-      double start, impulse, x;
+      double start, impulse, x, y;
     };
     std::vector<Found> found;
     const auto take = [&](const auto& shock) {
-      found.push_back({static_cast<double>(shock.start) * step, shock.impulse * step,
-                       shock.moment / shock.impulse * GetParam().scene().spacing});
+      found.push_back(
+          {static_cast<double>(shock.start) * step, shock.impulse * step,
+           shock.moment / shock.impulse * GetParam().scene().spacing,
+           r.model.side + r.model.spacing_y * (0.5 + shock.across_moment / shock.impulse)});
     };
     for (const ShockRow& shock : r.shocks) take(shock);
     for (const OpenShock& shock : r.end.open_shocks) take(shock);
@@ -138,6 +141,7 @@ class ArealMarch : public testing::TestWithParam<Rough> {
       if (expected[i].impulse < 0.05 * most) continue;  // two may be nearly equal
       EXPECT_NEAR(found[i].start, expected[i].start, 1e-3 * error);
       EXPECT_NEAR(found[i].x, expected[i].x, error * GetParam().scene().spacing);
+      EXPECT_NEAR(found[i].y, expected[i].y, error * GetParam().scene().spacing_y);
     }
   }
 };
@@ -225,6 +229,38 @@ TEST_P(ArealMarch, EnergyCloses) {
   EXPECT_NEAR(r.samples.contact[10], end.contact, 1e-4 * most);
   EXPECT_NEAR(r.samples.force[10], end.force, 1e-3 * std::max(1.0, end.force));
   EXPECT_EQ(r.samples.nodes[10], end.contacts);
+}
+
+// ---- moving forces
+
+/// Off every middle, so that all modes are driven, and one that leaves the plate. Nothing touches.
+TEST(ArealForces, MovePlatesAsTheReference) {
+  ArealScene s = small_areal_scene(Support::free, 24);
+  s.gap = 1e-3;
+  s.forces = {{3, 20, 0.011, 0.0137}, {-2, 40, 0.0585, 0.031}};
+  constexpr double duration = 1e-4;
+  const ArealState expected = areal_reference(s, {duration}).states[0];
+  const double step = duration / 4000;
+  const Recording adaptive = simulate(areal_march(s, 1e-12, duration)),
+                  fixed = simulate(areal_march(s, scheme_of(SchemeKind::rk4), step, 4000));
+  EXPECT_LT(state_distance(s, expected, state_at(adaptive, 1)), 1e-10);
+  EXPECT_NEAR(adaptive.samples.load_work[1], expected.load_work, 1e-9 * expected.energy());
+  // of a force that leaves within a step, up to a step's impulse
+  EXPECT_LT(state_distance(s, expected, state_at(fixed, 1)), 1e-3);
+}
+
+TEST(ArealForces, OnANodalLineLeaveItsModesAlone) {
+  ArealScene s = small_areal_scene(Support::rigid, 24);
+  s.gap = 1e-3;
+  s.forces = {{3, 20, 0.011, s.plate.width / 2}};
+  const Started started = areal_march(s, 1e-10, 1e-4);
+  const Recording r = simulate(started);
+  const std::vector<PinnedPlateMode> modes = plate_modes(s.plate, 24);
+  double odd = 0, even = 0;
+  for (std::size_t k = 0; k < 24; ++k)
+    (modes[k].n % 2 == 0 ? even : odd) += std::abs(r.samples.resonator_velocity[24 + k]);
+  EXPECT_GT(odd, 0);
+  EXPECT_LT(even, 1e-14 * odd);
 }
 
 // ---- adaptive steps
@@ -501,13 +537,10 @@ TEST(ArealModel, RefusesWhatDoesNotFit) {
   EXPECT_EQ(refused([](Scene&, HeightMaps&) {}), "taken");
   expect("scene.faces", [](Scene& s, HeightMaps&) { s.faces = Faces::smooth; });
   expect("resonator.moving_force", [](Scene& s, HeightMaps&) {
-    s.resonator.moving_forces = {{1, 1, 0}};
+    s.resonator.moving_forces = {{1, 1, 0}};  // no y
   });
   expect("output.probes", [](Scene& s, HeightMaps&) { s.output.probes = {0.01}; });
   expect("output.slider_probes", [](Scene& s, HeightMaps&) { s.output.slider_probes = {0.001}; });
-  expect("output.microphones", [](Scene& s, HeightMaps&) {
-    s.output.microphones = {{0.1, 0.1, 0.1}};
-  });
   expect("scene.spacing_y", [](Scene&, HeightMaps& m) { m.spacing_y = 0; });
   expect("scene.spacing_y", [](Scene&, HeightMaps& m) { m.spacing_y = 1; });
   expect("slider.surface", [](Scene&, HeightMaps& m) { m.rows = 5; });

@@ -47,7 +47,8 @@ def _picture(request: Request) -> Picture:
         return study_plot.picture(load_study(files[0]))
     stretch: dict[str, Any] = {name: request.get(name) for name in ("start", "stop")}
     if len(files) == 1:
-        return plots.result(_result(files[0], request), request["what"], shock=request.get("shock"), **stretch)
+        return plots.result(_result(files[0], request), request["what"], shock=request.get("shock"),
+                            time=request.get("time"), **stretch)
     return compare_plot.plot([_result(file, request) for file in files], request["what"], **stretch)
 
 

@@ -155,7 +155,7 @@ def _rate_for(highest: float) -> int:
 def _cuts(result: Result) -> tuple[list[Sound], str]:
     """The first probe as it is and slower; or why there is nothing to hear."""
     found = result.analysis()
-    if not result.probes.sizes["position"] or found["samples"] < 2:
+    if not result.probes.position.size or found["samples"] < 2:
         return [], "No sound: the result has no probe, or too few samples (output.probes)."
     begin, end = found["from"], found["to"]
     try:

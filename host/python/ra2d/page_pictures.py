@@ -12,7 +12,7 @@ import matplotlib
 import numpy as np
 from markupsafe import Markup
 
-from . import page_svg, plots, style, study_plot
+from . import maps, page_svg, plots, style, study_plot
 from .page_words import html, number, spread
 from .style import DECIBEL, MARKS, Picture, quantity
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .studies import Law, Study
 
 WIDTH, HEIGHT = 3.6, 2.7  # inches: its letters are as large as the page's on a telephone
+MOST_PIXELS = 300         # of a map, along each axis
 LETTERS = dict(zip(MARKS, "\u25cf\u25a0\u25b2\u25c6\u25bc\u271a\u2716\u2605"))  # the marks as letters
 
 
@@ -123,10 +124,20 @@ def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tupl
     return figure, f"Histogram of shocks: {heading}", caption
 
 
+def _maps(result: Result) -> tuple[Picture, str, Markup]:
+    figure = _small(lambda body: maps.faces(body.subplots(2, 1), result, plots.track(result), False, MOST_PIXELS),
+                    1.6 * HEIGHT)
+    caption = html("<b>Faces</b>, dark: low, light: high. Above the resonator's under the slider's way{}; below the "
+                   "slider's, seen through it from above", f", with the places of {len(result.shocks)} shocks"
+                   if len(result.shocks) else "")
+    return figure, "Faces as maps, and places of contact", caption + html(".")
+
+
 def _faces(result: Result) -> tuple[Picture, str, Markup]:
+    if result.is_areal:
+        return _maps(result)
     figure = _small(lambda body: plots.PANELS["profiles"][0](body, result, False), 1.2 * HEIGHT)
-    caption = html("<b>Faces</b>, {}heights much enlarged: the resonator's (blue), where the slider passes",
-                   "the row in the middle of each map, " if result.is_areal else "")
+    caption = html("<b>Faces</b>, heights much enlarged: the resonator's (blue), where the slider passes")
     if "start" in result.scene.content().get("scene", {}):  # not of other versions' scenes
         caption += html(", and above it the slider's at the start, face down (brown)")
     if count := len(result.shocks):

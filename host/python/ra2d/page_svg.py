@@ -3,7 +3,9 @@
 pictures of the page, and colours as names that the page gives by day and by night."""
 from __future__ import annotations
 
+import base64
 import colorsys
+import io
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -16,6 +18,7 @@ from markupsafe import Markup, escape
 from matplotlib.backend_bases import RendererBase
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
+from PIL import Image
 
 from .page_words import printable
 from .style import BLACK, GREY, RC, SERIES, Picture
@@ -153,6 +156,9 @@ class _Renderer(RendererBase):  # type: ignore[misc]
     def option_image_nocomposite(self) -> bool:
         return True
 
+    def option_scale_image(self) -> bool:
+        return True  # a map keeps its own pixels
+
     def open_group(self, s: str, gid: str | None = None) -> None:
         if s.startswith("matplotlib.axis"):
             self.axis.append(len(self.parts))
@@ -225,6 +231,19 @@ class _Renderer(RendererBase):  # type: ignore[misc]
         marks = "".join(f"M{_joined(place)}{shape}" for place in np.rint(places).astype(int).tolist())
         for style in styles:
             self._add(style, clip, marks)
+
+    def draw_image(self, gc: Any, x: float, y: float, im: Any, transform: Any = None) -> None:
+        rows, columns = im.shape[:2]
+        sized = Affine2D().scale(1, 1) if transform is None else Affine2D().scale(1 / columns, 1 / rows) + transform
+        placed = (sized + Affine2D().translate(x, y) + self.flipped).frozen().to_values()
+        out = io.BytesIO()
+        Image.fromarray(im[::-1]).convert("RGB").quantize(64).save(out, format="png", optimize=True)
+        data = base64.b64encode(out.getvalue()).decode()
+        a, b, c, d, e, f = placed
+        flipped = (a, b, -c, -d, e + c * rows, f + d * rows)  # rows of a PNG go down
+        self.parts.append(("", "", [f'<image width="{columns}" height="{rows}" style="image-rendering:pixelated" '
+                                    f'transform="matrix({" ".join(f"{number:.6g}" for number in flipped)})" '
+                                    f'href="data:image/png;base64,{data}"/>']))
 
     def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
                   mtext: Any = None) -> None:

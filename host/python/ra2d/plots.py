@@ -11,8 +11,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from . import shock_plot, spectrogram, stretch, style
+from . import maps, shock_plot, spectrogram, stretch, style
 from .errors import RequestError
+from .results import MOTIONS
 from .stretch import Stretch
 from .style import BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal, quantity, scale
 
@@ -50,7 +51,7 @@ def _gap(result: Result, resonator: xr.DataArray, slider: xr.DataArray, start: f
     return float((slider.values + under).max())
 
 
-def _track(result: Result) -> tuple[float, float]:
+def track(result: Result) -> tuple[float, float]:
     """The places that the slider passes, with some more on either side [m]."""
     start, length = _start(result), float(result.profile("resonator").position[-1])
     if start is None:
@@ -63,15 +64,12 @@ def _track(result: Result) -> tuple[float, float]:
 
 
 def _draw_faces(axes: Any, result: Result) -> None:
-    start, (low, high) = None if stretch.first_time(result) else _start(result), _track(result)
+    start, (low, high) = None if stretch.first_time(result) else _start(result), track(result)
     resonator, slider = result.profile("resonator").load(), result.profile("slider").load()
     title = "Faces at the start, where the slider passes (heights much enlarged)"
     if stretch.first_time(result):
         title = "Face of the resonator where the slider passes (heights much enlarged)"
     gap = _gap(result, resonator, slider, start) if start is not None else 0.0
-    if result.is_areal:
-        resonator, slider = (face.isel(y=face.sizes["y"] // 2) for face in (resonator, slider))
-        title = f"Rows in the middle. {title}"
     drawn = [resonator.sel(position=slice(low, high)).values]
     if start is not None:
         drawn.append(gap - slider.values)
@@ -94,7 +92,7 @@ def _draw_places(axes: Any, result: Result) -> None:
     if not position.size:
         style.say_empty(axes, NO_SHOCKS, "Places of contact", keep_x=True)
         return
-    low, high = _track(result)
+    low, high = track(result)
     counts, edges = np.histogram(position * 1e3, bins=PLACES, range=(low * 1e3, high * 1e3))
     axes.stairs(counts, edges, fill=True, color=PLUM, alpha=0.85)
     axes.set_title(f"Places of contact: {position.size} shock{'s' if position.size != 1 else ''}")
@@ -120,6 +118,9 @@ def _draw_strongest(axes: Any, result: Result) -> None:
 
 
 def _profiles(figure: Any, result: Result, alone: bool) -> None:
+    if result.is_areal:
+        maps.faces(figure.subplots(2, 1), result, track(result))
+        return
     draw = [_draw_faces, _draw_places] + [_draw_strongest] * alone
     panels = figure.subplots(len(draw), 1, sharex=True, height_ratios=[1.5, 1, 1][:len(draw)])
     for axes, one in zip(panels, draw):
@@ -169,9 +170,9 @@ def _force(figure: Any, result: Result, alone: bool) -> None:
 
 def _probe_lines(result: Result, what: str) -> list[tuple[str | None, xr.DataArray]]:
     """A series for each probe of both bodies, with its name."""
-    return [(f"{body} at {1e3 * position:.6g} mm", probes[what].isel(position=i))
+    return [(f"{body} at {place}", one)
             for body, probes in (("resonator", result.probes), ("slider", result.slider_probes))
-            for i, position in enumerate(probes.position.values)]
+            for place, one in style.at_probes(probes[what])]
 
 
 def _displacement(figure: Any, result: Result, alone: bool) -> None:
@@ -508,7 +509,7 @@ PANELS: dict[str, tuple[Callable[[Any, Any, bool], None], float]] = {
     "probe-spectra": (_probe_spectra, 5.6), "shocks": (_shocks, 6), "level": (_level, 4.2), "energy": (_energy, 7),
     "bands": (_bands, 4.6), "spectrogram": (_spectrogram, 5.2)}
 SAME = {"waterfall": "spectrogram"}  # another word for a panel
-SHOCK = "shock"
+SHOCK, MOTION = "shock", "motion"
 NEED_SAMPLES = ("force", "displacement", "spectrum", "probe-spectra", "level", "energy", "bands",
                 "spectrogram")
 
@@ -551,6 +552,35 @@ def _head(result: Result) -> list[tuple[str, float, str, str]]:
     return lines + ([(literal(doubts(result)), 9.5, "bold", RUST)] if doubts(result) else [])
 
 
+def _motion(result: Result, time: float | None, lines: list[tuple[str, float, str, str]]) -> Picture:
+    """The resonator's displacement and velocity at a time: maps, or lines along a beam."""
+    modes = result.modes("resonator")
+    figure, body = style.page(10, 11 if result.is_areal else 6, lines)
+    if why := FEW_SAMPLES if not result.samples else "" if "velocity" in modes else \
+            "the file has no motion of the modes (output.modes)":
+        style.say_empty(body.subplots(), why, "Motion of the resonator")
+        return figure
+    if time is None:
+        force = result.contact.force.load()
+        time = float(force.time[int(np.argmax(force.values))])
+    panels = body.subplots(2, 1, sharex=True)
+    if result.is_areal:
+        maps.motion(panels, result, time)
+        return figure
+    for axes, name, unit_name, colour in zip(panels, MOTIONS, ("m", "m/s"), (BLUE, RUST)):
+        field = result.field(time, what=name)
+        unit, one = scale(unit_name, field.values)
+        axes.plot(field.position * 1e3, field.values / one, color=colour)
+        start = _start(result)
+        if start is not None:
+            begin = start + float(result.scene["speed"]) * float(field.time)
+            axes.axvspan(1e3 * begin, 1e3 * (begin + float(result.scene["slider.length"])), color=GREY, alpha=0.15, lw=0)
+        axes.set_title(f"{name.capitalize()} of the resonator at {quantity(float(field.time), 's', 7)}; grey: the slider")
+        axes.set_ylabel(f"{name} [{unit}]")
+    panels[-1].set_xlabel("place on the resonator [mm]")
+    return figure
+
+
 def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
     if name in NEED_SAMPLES and result.samples < 2:
         style.say_empty(cell.subplots(), FEW_SAMPLES, name)
@@ -560,29 +590,35 @@ def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
 
 def views() -> list[str]:
     """All that can be asked of one result."""
-    return ["overview", *PANELS, *SAME, SHOCK]
+    return ["overview", *PANELS, *SAME, SHOCK, MOTION]
 
 
 def result(of: Result, what: str = "overview", start: float | None = None, stop: float | None = None,
-           shock: int | None = None) -> Picture:
+           shock: int | None = None, time: float | None = None) -> Picture:
     """The picture of a result: "overview", or one panel. `start`, `stop` [s]: of a stretch alone;
-    `shock`: which one is shown as "shock", the strongest without it."""
+    `shock`: which one is shown as "shock", the strongest without it; `time` [s] of "motion", that of
+    the largest contact force without it."""
     what = SAME.get(what, what)
     if what not in views():
         raise RequestError(f"there is no picture {what!r}. There are: {', '.join(views())}")
     if shock is not None and what != SHOCK:
         raise RequestError(f"a shock is chosen for the picture 'shock', not for {what!r}")
+    if time is not None and what != MOTION:
+        raise RequestError(f"a time is chosen for the picture 'motion', not for {what!r}")
     of = stretch.of(of, start, stop)
     lines = _head(of)
     with matplotlib.rc_context(style.RC):
         if what == SHOCK:
             return shock_plot.picture(of, shock, lines)
+        if what == MOTION:
+            return _motion(of, time, lines)
         if what != "overview":
             figure, body = style.page(10, PANELS[what][1], lines)
             _draw(what, body, of, True)
             return figure
-        figure, body = style.page(11, 14, lines)
-        rows = body.subfigures(4, 1, height_ratios=[1.45, 1, 1.05, 1])
+        high = 2.5 if of.is_areal else 1.45  # maps are true to scale
+        figure, body = style.page(11, 14 * (high + 3.05) / 4.5, lines)
+        rows = body.subfigures(4, 1, height_ratios=[high, 1, 1.05, 1])
         _draw("profiles", rows[0], of, False)
         for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):
             for cell, name in zip(row.subfigures(1, 2), names):

@@ -27,15 +27,19 @@ if TYPE_CHECKING:
 
 Body = Literal["resonator", "slider"]
 BODIES: tuple[Body, ...] = ("resonator", "slider")
-MOTIONS = ("displacement", "velocity")
-FORMATS = (2, 3, 4)  # of the file, that this package reads
-AREAL_FORMAT = 4     # of areal scenes: maps for profiles, numbers of half waves for shapes
+Motion = Literal["displacement", "velocity"]
+MOTIONS: tuple[Motion, ...] = ("displacement", "velocity")
+FORMATS = (2, 3, 5)  # of the file, that this package reads
+AREAL_FORMAT = 5     # of areal scenes: maps for profiles, numbers of half waves for shapes
 
 _SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
 _PROBES = {**_SAMPLED, "position": ("position",), "displacement": ("time", "position"),
            "velocity": ("time", "position")}
-_MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "frequency": ("mode",),
-          "mean_square": ("mode",), "mode_x": ("mode",), "mode_y": ("mode",), "shape": ("mode", "position"), "displacement": ("time", "mode"),
+_AREAL_PROBES = {**_SAMPLED, "probe": ("probe",), "position": ("probe",), "y": ("probe",),
+                 "displacement": ("time", "probe"), "velocity": ("time", "probe")}
+_MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "y": ("y",), "frequency": ("mode",),
+          "mean_square": ("mode",), "mode_x": ("mode",), "mode_y": ("mode",), "shape": ("mode", "position"),
+          "shape_x": ("mode", "position"), "shape_y": ("mode", "y"), "displacement": ("time", "mode"),
           "velocity": ("time", "mode")}
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
 
@@ -254,18 +258,19 @@ class Result:
     @property
     def shocks(self) -> pd.DataFrame:
         """Every shock, in order of start; its index is its number. Columns: `start` [s], `duration`
-        [s], `peak_force` [N], `impulse` [N s], `position` [m, on the resonator]; `attrs["units"]`
-        names the units.
+        [s], `peak_force` [N], `impulse` [N s], `position` [m, on the resonator], of an areal scene
+        also `y` [m, across the resonator]; `attrs["units"]` names the units.
 
         >>> getfixture("result").shocks.columns.tolist()
         ['start', 'duration', 'peak_force', 'impulse', 'position']
         """
         with self._file.opened() as file:
             group = file["shocks"]
-            table = pd.DataFrame({name: group[name][()] for name in _SHOCKS},
+            names = [*_SHOCKS, *(["y"] if self.is_areal else [])]
+            table = pd.DataFrame({name: group[name][()] for name in names},
                                  index=pd.Index(group["shock" if "shock" in group else "serial"][()].astype(np.int64),
                                                 name="shock"))
-            table.attrs["units"] = {name: group[name].attrs["units"] for name in _SHOCKS}
+            table.attrs["units"] = {name: group[name].attrs["units"] for name in names}
         return table
 
     def check(self) -> None:
@@ -282,12 +287,13 @@ class Result:
 
     @property
     def probes(self) -> xr.Dataset:
-        """`displacement` [m] and `velocity` [m/s] of the resonator, dimensions (time, position).
+        """`displacement` [m] and `velocity` [m/s] of the resonator, dimensions (time, position). Of an
+        areal scene (time, probe): probes have numbers from 1 and the coordinates `position` and `y`.
 
         >>> getfixture("result").probes.velocity.sel(position=0.15).dims
         ('time',)
         """
-        return self._file.read("probes", _PROBES)
+        return self._probes("probes")
 
     @property
     def slider_probes(self) -> xr.Dataset:
@@ -296,7 +302,12 @@ class Result:
         >>> getfixture("result").slider_probes.sizes["position"]
         0
         """
-        return self._file.read("slider_probes", _PROBES)
+        return self._probes("slider_probes")
+
+    def _probes(self, group: str) -> xr.Dataset:
+        if not self.is_areal:
+            return self._file.read(group, _PROBES)
+        return self._file.read(group, _AREAL_PROBES).set_coords(["position", "y"])
 
     @property
     def is_areal(self) -> bool:
@@ -331,8 +342,9 @@ class Result:
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
         (time, mode) the modal `displacement` [m^3/2] and `velocity` [m^3/2/s], which a run with
-        `output.modes = "none"` does not keep. Of an areal scene no shape, but the half waves
-        `mode_x` and `mode_y` of the resonator, and displacements in m^2.
+        `output.modes = "none"` does not keep. Of an areal scene the shape is the product of
+        `shape_x` (mode, position) [1/m] and `shape_y` (mode, y), displacements are in m^2, and the
+        resonator has the half waves `mode_x` and `mode_y`.
 
         >>> getfixture("result").modes("slider").sizes["mode"]
         2
@@ -340,10 +352,11 @@ class Result:
         return self._file.read(_one_of("body", body, BODIES), _MODES)
 
     def field(self, time: float | slice | Any, body: Body = "resonator",
-              what: Literal["displacement", "velocity"] = "displacement") -> xr.DataArray:
+              what: Motion = "displacement") -> xr.DataArray:
         """Displacement [m] or velocity [m/s] along a body: modes times shapes. `time` [s]: an
         instant (the nearest sample is taken), several, or a slice. Dimensions: (position), or
-        (time, position); up to 1001 places.
+        (time, position); up to 1001 places. Of an areal scene a map: (y, position), or
+        (time, y, position).
 
         >>> getfixture("result").field(0.1).dims
         ('position',)
@@ -351,9 +364,6 @@ class Result:
         1001
         """
         modes = self.modes(body)
-        if self.is_areal:
-            raise RequestError(f"{str(self.path)!r} is of an areal scene, whose fields are not built yet: modes() has "
-                               "the numbers of half waves, mode_x and mode_y, and the motion of each mode")
         if _one_of("what", what, MOTIONS) not in modes:
             raise RequestError(f"{str(self.path)!r} has no motion of the modes, of which a field is made: its scene has "
                                "output.modes = \"none\"")
@@ -361,9 +371,14 @@ class Result:
         if not isinstance(time, slice):
             _require_within(time, modes.time)
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
-        _require_room(math.prod(chosen.sizes[name] for name in chosen.dims if name != "mode"), modes.sizes["position"])
+        across = modes.sizes["y"] if self.is_areal else 1
+        _require_room(math.prod(chosen.sizes[name] for name in chosen.dims if name != "mode"),
+                      across * max(modes.sizes["position"], modes.sizes["mode"]) if self.is_areal else modes.sizes["position"])
         amplitude = chosen.load()
-        found: xr.DataArray = amplitude.dot(modes["shape"].load())
+        if self.is_areal:
+            found: xr.DataArray = (amplitude * modes["shape_y"].load()).dot(modes["shape_x"].load(), "mode")
+        else:
+            found = amplitude.dot(modes["shape"].load())
         found.attrs = {"units": "m" if what == "displacement" else "m s-1", "long_name": f"{what} of the {body}"}
         return found.rename(what)
 
@@ -413,13 +428,14 @@ class Result:
     # ---- looking and listening ----------------------------------------------------------------------
 
     def plot(self, what: str = "overview", *, start: float | None = None, stop: float | None = None,
-             shock: int | None = None) -> Figure:
+             shock: int | None = None, time: float | None = None) -> Figure:
         """A picture as a matplotlib Figure: the whole page, or one panel of docs/pictures.md:
         "profiles", "force", "displacement", "spectrum", "probe-spectra", "shocks", "level",
-        "energy", "bands", "spectrogram" (or "waterfall"), "shock".
+        "energy", "bands", "spectrogram" (or "waterfall"), "shock", "motion".
 
         - `start`, `stop` [s]: of this stretch of the run alone
         - `shock`: which one is shown as "shock", by its number in `shocks`; the strongest without it
+        - `time` [s]: of "motion"; that of the largest contact force without it
 
         >>> getfixture("result").plot("bands").axes[0].get_xlabel()
         'midband frequency [Hz]'
@@ -428,7 +444,7 @@ class Result:
         """
         from . import plots
 
-        return plots.result(self, what, start=start, stop=stop, shock=shock)
+        return plots.result(self, what, start=start, stop=stop, shock=shock, time=time)
 
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from . import style
+from . import maps, style
 from .errors import RequestError
 from .style import BLUE, GREY, RUST, SKY, Picture, quantity, scale
 
@@ -85,7 +85,8 @@ def _heads(result: Result, number: int, samples: int) -> list[tuple[str, float, 
     which = "the strongest" if rank == 1 else f"number {rank} by peak force"
     lines = [(f"Shock {number}, {which} of {len(shocks)}: begins at {quantity(shock['start'], 's', 9)}, lasts "
               f"{quantity(shock['duration'], 's')}, impulse {quantity(shock['impulse'], 'N s')}, at "
-              f"{1e3 * shock['position']:.5g} mm on the resonator", 9.5, "normal", style.BLACK)]
+              + ", ".join(f"{1e3 * shock[name]:.5g}" for name in ("position", "y") if name in shock)
+              + " mm on the resonator", 9.5, "normal", style.BLACK)]
     if samples < ENOUGH:
         fell = f"{samples} sample{'s' if samples != 1 else ''} fall{'s' if samples == 1 else ''}" if samples else "No sample falls"
         lines.append((f"{fell} into it: too few for its shape. 'ra2d run --zoom' samples a shock at 1 to 10 MHz.", 9.5,
@@ -112,11 +113,15 @@ def picture(result: Result, number: int | None, head: list[tuple[str, float, str
     ends = shocks["start"] + shocks["duration"]
     near = shocks[(shocks["start"] < window.stop) & (ends > window.start)]
     within = (force.time >= shock["start"]) & (force.time <= shock["start"] + shock["duration"])
-    series = {what: [(f"{body} at {1e3 * float(place):.6g} mm", probes[what].isel(position=i))
+    series = {what: [(f"{body} at {place}", one)
                      for body, probes in (("resonator", result.probes), ("slider", result.slider_probes))
-                     for i, place in enumerate(probes.position.values)] for what in ("displacement", "velocity")}
+                     for place, one in style.at_probes(probes[what])] for what in ("displacement", "velocity")}
     panels = 3 if series["velocity"] else 1
-    figure, body = style.page(10, 3.1 * panels, [*head[:1], *_heads(result, number, int(within.sum())), *head[2:]])
+    patch = 5.4 if result.is_areal else 0.0
+    figure, body = style.page(10, 3.1 * panels + patch, [*head[:1], *_heads(result, number, int(within.sum())), *head[2:]])
+    if result.is_areal:
+        body, below = body.subfigures(2, 1, height_ratios=[3.1 * panels, patch])
+        maps.patch(below.subplots(), result, shock)
     all_axes = body.subplots(panels, 1, sharex=True, squeeze=False)[:, 0]
     ends_of = np.array([max(window.start, 0.0), min(window.stop, float(result.duration))])
     place = style.time_axis(all_axes[-1], ends_of)

@@ -194,7 +194,7 @@ class Sound:
         a = self.about
         if a["quantity"] == PRESSURE:
             return " and ".join(", ".join(f"{x:g}" for x in place) for place in a["microphones"]) + " m"
-        return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {a['position']:g} m"
+        return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {_at(a)} m"
 
     def _comment(self) -> str:
         a = self.about
@@ -235,7 +235,7 @@ class Sound:
 
     def __repr__(self) -> str:
         a = self.about
-        place = f"at {self._place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {a['position']:g} m"
+        place = f"at {self._place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {_at(a)} m"
         return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self.full_scale():g} "
                 f"{self._unit()}>")
 
@@ -258,6 +258,11 @@ def encoding_of(path: pathlib.Path, bits: int | str = 24) -> Encoding:
 
 # ---- what is heard -----------------------------------------------------------------------------------
 
+def _at(about: dict[str, Any]) -> str:
+    """Where a probe is [m]."""
+    return f"{about['position']:g}" + (f", {about['y']:g}" if "y" in about else "")
+
+
 def _require(name: str, value: float, low: float, high: float) -> None:
     if not (isinstance(value, int | float) and low <= value <= high):
         raise RequestError(f"{name} is {value!r}: expected a number from {low:g} to {high:g}")
@@ -279,7 +284,8 @@ def _choose_probe(result: Result, body: str, probe: int) -> Any:
     if not 1 <= probe <= here.size:
         places = ", ".join(f"{place:g}" for place in here[:8]) + (", ..." if here.size > 8 else "")
         raise RequestError(f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
-    return (result.slider_probes if slider else result.probes).velocity.isel(position=probe - 1)
+    velocity = (result.slider_probes if slider else result.probes).velocity
+    return velocity.isel({velocity.dims[1]: probe - 1})
 
 
 def _choose_stretch(result: Result, time: Array, start: float | None, stop: float | None) -> slice:
@@ -427,8 +433,10 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
              "full_scale_m_per_s": scale, "peak_m_per_s": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
              "rate": int(rate), "samples": heard.size, "slow": float(slow), "from": float(time[part.start]),
              "to": float(time[part.stop - 1]), **_origin(result)}
+    if "y" in velocity.coords:
+        about["y"] = float(velocity.y)
     modes = result.modes("slider" if body == "slider" else "resonator").frequency.values
-    name = f"{'slider ' if body == 'slider' else ''}probe at {about['position']:g} m"
+    name = f"{'slider ' if body == 'slider' else ''}probe at {_at(about)} m"
     doubts = _doubt_scale(about, name)
     doubts = (doubts if not peak else []) + _doubt_rates(about, modes) + (doubts if peak else [])
     return Sound(heard / scale, int(rate), about, tuple(doubts))

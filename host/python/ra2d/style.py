@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -170,6 +171,13 @@ def time_axis(axes: Any, time: Array, note: str = "") -> Callable[[Any], Any]:
     axes.set_xlim((time[0] - begin) / one, (time[-1] - begin) / one)
     axes.set_xlabel(f"{label}{note}")
     return lambda at: (at - begin) / one
+
+
+def at_probes(motion: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
+    """The series of each probe, with its place."""
+    one_by_one = [motion.isel({motion.dims[1]: i}) for i in range(motion.shape[1])]
+    return [(", ".join(f"{1e3 * float(one[name]):.6g}" for name in ("position", "y") if name in one.coords) + " mm", one)
+            for one in one_by_one]
 
 
 def room_above(axes: Any, share: float) -> None:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Results of areal scenes: maps, numbers of half waves, and what is not there."""
+"""Results of areal scenes: maps, numbers of half waves, motion and gaps."""
 import re
 
 import numpy as np
 import pytest
 
 import ra2d
-from ra2d import page_words
+from ra2d import maps, page_words
 
 BLOCK = {"length": 2e-3, "width": 1.5e-3}
 
@@ -15,7 +15,7 @@ BLOCK = {"length": 2e-3, "width": 1.5e-3}
 def areal(folder):
     scene = ra2d.scene("areal").change({f"slider.{key}": value for key, value in BLOCK.items()},
                                       duration=1e-3, spacing=50e-6)
-    return ra2d.run(scene, output=folder / "areal.h5", show=False)
+    return ra2d.run(scene.change({"output.probes": [[0.1, 0.13], [0.15, 0.1]]}), output=folder / "areal.h5", show=False)
 
 
 def test_faces_are_maps(areal):
@@ -36,9 +36,61 @@ def test_modes_have_their_half_waves(areal):
     assert "shape" not in modes and areal.modes("slider").sizes["mode"] == 3
 
 
-def test_fields_are_refused_by_name(areal):
-    with pytest.raises(ra2d.RequestError, match="areal scene, whose fields are not built yet"):
-        areal.field(0.0)
+def test_probes_have_two_coordinates(areal):
+    probes = areal.probes
+    assert probes.velocity.dims == ("time", "probe") and probes.probe.values.tolist() == [1, 2]
+    assert probes.position.values.tolist() == [0.1, 0.15] and probes.y.values.tolist() == [0.13, 0.1]
+    modes = areal.modes("resonator")
+    shape = 2 / np.sqrt(0.3 * 0.2) * np.sin(modes.mode_x * np.pi * 0.1 / 0.3) * np.sin(modes.mode_y * np.pi * 0.13 / 0.2)
+    assert np.allclose(probes.displacement.sel(probe=1), (modes.displacement * shape).sum("mode"), rtol=1e-9, atol=1e-20)
+    assert areal.listen(2).about["y"] == 0.1
+
+
+def test_shocks_stand_on_the_plate_under_the_block(areal):
+    shocks = areal.shocks
+    assert len(shocks) > 5 and shocks.attrs["units"]["y"] == "m"
+    assert shocks.y.between(0.1 - 0.75e-3, 0.1 + 0.75e-3).all() and shocks.y.nunique() > 3
+
+
+def test_fields_are_maps(areal):
+    times = areal.modes("resonator").time
+    field = areal.field(float(times[-1]), what="velocity")
+    assert field.dims == ("y", "position") and field.units == "m s-1"
+    assert float(field.position[-1]) == 0.3 and float(field.y[-1]) == 0.2
+    # the integral of the square over the plate is the sum over the modes; zero at the edges
+    modes = areal.modes("resonator").velocity.isel(time=-1)
+    square = (field**2).integrate("position").integrate("y")
+    assert float(square) == pytest.approx(float((modes**2).sum()), rel=1e-9)
+    assert not field.isel(y=0).any() and abs(field.isel(position=-1)).max() < 1e-12 * abs(field).max()
+    assert areal.field(slice(0, 1e-4)).dims == ("time", "y", "position")
+    assert areal.field(0.0, body="slider").dims == ("y", "position")
+
+
+def test_the_gap_is_closed_at_the_nodes_in_contact(areal):
+    """Nodes with no gap are as many as the program counts, and their springs carry the force."""
+    contact = areal.contact.load()
+    stiffness = float(areal.scene["contact.stiffness"]) * 50e-6 * 50e-6
+    counted = contact.isel(time=(contact.nodes > 0).values)
+    assert counted.sizes["time"] > 2
+    for i in range(counted.sizes["time"]):
+        gap = maps.gap(areal, float(counted.time[i]))
+        assert gap.shape == (30, 41) and int((gap <= 0).sum()) == int(counted.nodes[i])
+        assert stiffness * float(-gap.where(gap < 0).sum()) == pytest.approx(float(counted.force[i]), rel=1e-5)
+
+
+def test_motion_is_shown_at_a_time(areal):
+    figure = areal.plot("motion", time=5e-4)
+    assert figure.axes[0].get_title("left").startswith("Displacement of the resonator at 500")
+    assert [len(axes.images) for axes in figure.axes[:2]] == [1, 1]
+    with pytest.raises(ra2d.RequestError, match="a time is chosen for the picture 'motion'"):
+        areal.plot("force", time=5e-4)
+    with pytest.raises(ra2d.RequestError, match="the samples go from 0"):
+        areal.plot("motion", time=5.0)
+
+
+def test_pages_have_the_maps(areal, folder):
+    page = areal.report(folder / "areal.html").read_text()
+    assert page.count('href="data:image/png;base64,') == 2
 
 
 def test_pages_say_what_was_requested(areal):
@@ -47,7 +99,7 @@ def test_pages_say_what_was_requested(areal):
     assert "free block" in facts["slider"] and "across; the slider's side at 99.25 mm" in facts["spacing"]
 
 
-@pytest.mark.parametrize("what", ["overview", "profiles", "force", "spectrum", "shocks", "level", "energy", "bands", "shock"])
+@pytest.mark.parametrize("what", ["overview", "profiles", "force", "spectrum", "shocks", "level", "energy", "bands", "shock", "motion"])
 def test_pictures_are_drawn(areal, what):
     assert areal.plot(what).axes
 

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of areal scenes: faces, motion and gap as maps."""
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import ListedColormap
+
+from . import style
+from .errors import RequestError
+from .results import MOTIONS
+from .style import BLACK, RUST, Array, quantity, scale
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from .results import Result
+
+MOST_POINTS = 1600    # of a map that is drawn, along each axis
+MOST_DOTS = 3000
+LONGEST_TRUE = 9      # length over width up to which a map is drawn true to scale
+PATCH = 24            # nodes on each side of a shock
+
+
+def thinned(face: xr.DataArray, most: int = MOST_POINTS) -> xr.DataArray:
+    """A map of at most so many points along each axis."""
+    return face.isel({name: slice(None, None, math.ceil(face.sizes[name] / most)) for name in face.dims}).load()
+
+
+def _edges(places: Array) -> tuple[float, float]:
+    """Ends of an axis whose places stand in the middles of strips [mm]."""
+    half = (places[-1] - places[0]) / (2 * (len(places) - 1)) if len(places) > 1 else 0.5e-3
+    return 1e3 * (places[0] - half), 1e3 * (places[-1] + half)
+
+
+def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str = "m", middle: bool = False) -> Any:
+    """A map over (y, position), places in mm; with `bar` a colour bar of that name. `middle`: colours
+    are symmetric about 0."""
+    name, one = scale(unit, values.values)
+    x, y = _edges(values.position.values), _edges(values.y.values)
+    most = float(np.abs(values.values).max()) / one or 1.0
+    limits = {"vmin": -most, "vmax": most} if middle else {}
+    true_to_scale = (x[1] - x[0]) <= LONGEST_TRUE * (y[1] - y[0]) and (y[1] - y[0]) <= 1.5 * (x[1] - x[0])
+    image = axes.imshow(values.values / one, origin="lower", extent=(*x, *y), cmap=colours, interpolation="none",
+                        aspect="equal" if true_to_scale else "auto", **limits)
+    axes.grid(False)
+    axes.set_ylabel("y [mm]")
+    axes.set_anchor("W")
+    if bar:  # next to the map, wherever its own proportions put it
+        wide = 0.05 / min(max((x[1] - x[0]) / (y[1] - y[0]), 0.7), 5.0) if true_to_scale else 0.012
+        inset = axes.inset_axes((1 + 0.5 * wide, 0, wide, 1))
+        axes.figure.colorbar(image, cax=inset, label=f"{bar} [{name}]")
+    return image
+
+
+def dots(axes: Any, shocks: pd.DataFrame) -> int:
+    """The places of shocks on a map, the strongest of many. Returns how many are drawn."""
+    shown = shocks.nlargest(MOST_DOTS, "peak_force") if len(shocks) > MOST_DOTS else shocks
+    size = min(9.0, max(1.5, 300 / max(1.0, len(shown)) ** 0.5))
+    axes.scatter(shown["position"] * 1e3, shown["y"] * 1e3, s=size, color="white", edgecolors=BLACK, linewidths=0.3,
+                 rasterized=len(shown) > 500, zorder=3)
+    return len(shown)
+
+
+def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = True, most: int = MOST_POINTS) -> None:
+    """Both faces under each other, with the places of the shocks on the resonator's."""
+    under = thinned(result.profile("resonator").sel(position=slice(*track)), most)
+    shocks = result.shocks
+    draw(panels[0], under, "viridis", "height" if bars else "")
+    limits = panels[0].get_xlim(), panels[0].get_ylim()
+    count = dots(panels[0], shocks)
+    panels[0].set(xlim=limits[0], ylim=limits[1])
+    of = f"the {count} strongest of " if count < len(shocks) else ""
+    panels[0].set_title("Resonator under the slider's way" + (f"; dots: {of}{len(shocks)} shocks" if len(shocks) else
+                                                              "; there were no shocks"))
+    panels[0].set_xlabel("x on the resonator [mm]")
+    draw(panels[1], thinned(result.profile("slider"), most), "viridis", "height" if bars else "")
+    panels[1].set_title("Slider, seen through it from above; heights towards the resonator")
+    panels[1].set_xlabel("x on the slider [mm]")
+
+
+# ---- motion ----------------------------------------------------------------------------------------
+
+def _block_at(result: Result, time: float) -> tuple[float, float, float, float]:
+    """The slider on the resonator: x, y of its corner, its length and width [m]."""
+    scene = result.scene
+    rows = result.profile("resonator").y.values
+    step = rows[1] - rows[0] if len(rows) > 1 else 0.0
+    return (float(scene["start"]) + float(scene["speed"]) * time, float(rows[0] - step / 2),
+            float(scene["slider.length"]), float(scene["slider.width"]))
+
+
+def _draw_slider(axes: Any, result: Result, time: float) -> None:
+    x, y, length, width = (1e3 * number for number in _block_at(result, time))
+    axes.plot([x, x + length, x + length, x, x], [y, y, y + width, y + width, y], color=BLACK, lw=1)
+
+
+def motion(panels: Any, result: Result, time: float) -> None:
+    """The resonator's displacement and velocity at a time, as maps; its slider as a frame."""
+    for axes, what, unit in zip(panels, MOTIONS, ("m", "m/s")):
+        field = result.field(time, what=what)
+        draw(axes, field, "RdBu_r", what, unit, middle=True)
+        _draw_slider(axes, result, float(field.time))
+        axes.set_title(f"{what.capitalize()} of the resonator at {quantity(float(field.time), 's', 7)}; frame: the slider")
+    panels[-1].set_xlabel("x on the resonator [mm]")
+
+
+# ---- gap -------------------------------------------------------------------------------------------
+
+def _under(result: Result, along: Array, rows: slice) -> Array:
+    """Heights of the resonator's face under places of rows, straight between its nodes [m]."""
+    face = result.profile("resonator").isel(y=rows)
+    spacing = float(result.scene["spacing"])
+    first = max(0, math.floor(along[0] / spacing) - 1)
+    near = face.isel(position=slice(first, math.ceil(along[-1] / spacing) + 2)).load()
+    return np.array([np.interp(along, near.position.values, row) for row in near.values])
+
+
+def _distance(result: Result) -> float:
+    """Distance of the mean planes [m]: the scene's, or that at which the first nodes touch at t = 0."""
+    gap = result.scene["gap"]
+    if isinstance(gap, int | float):
+        return float(gap)
+    slider = result.profile("slider").load()
+    under = _under(result, float(result.scene["start"]) + slider.position.values, slice(None))
+    return float((slider.values + under).max())
+
+
+def gap(result: Result, time: float, nodes: slice = slice(None), rows: slice = slice(None)) -> xr.DataArray:
+    """The gap [m] between the faces at the sample nearest to a time [s], at nodes of the slider along
+    x and y, over their places (y, position) on the resonator. Negative where they are in contact."""
+    modes, block = result.modes("resonator"), result.modes("slider")
+    if "displacement" not in modes:
+        raise RequestError(f"{str(result.path)!r} has no motion of the modes, of which the gap is made: its scene has "
+                           'output.modes = "none"')
+    u = modes.displacement.sel(time=time, method="nearest").load()
+    face = result.profile("slider").isel(position=nodes, y=rows).load()
+    along = float(result.scene["start"]) + float(result.scene["speed"]) * float(u.time) + face.position.values
+    across = result.profile("resonator").y.values[rows]
+    length, width = float(result.scene["resonator.length"]), float(result.scene["resonator.width"])
+    plate = np.zeros(face.shape)
+    if modes.sizes["mode"]:
+        of_y = np.sin(np.pi / width * np.outer(across, modes.mode_y.values)) * u.values
+        plate = 2 / math.sqrt(length * width) * of_y @ np.sin(np.pi / length * np.outer(modes.mode_x.values, along))
+    rigid = np.zeros(face.shape)
+    if block.sizes["mode"]:  # straight lines: two places have them
+        straight = block.isel(position=[0, -1], y=[0, -1]).load().sel(time=u.time)
+        of_x, of_y = (np.array([np.interp(places, straight[name], shape) for shape in straight[f"shape_{axis}"].values])
+                      for axis, name, places in (("x", "position", face.position.values), ("y", "y", face.y.values)))
+        rigid = (of_y * straight.displacement.values[:, None]).T @ of_x
+    values = _distance(result) - face.values - rigid - _under(result, along, rows) - plate
+    return xr.DataArray(values, {"y": across, "position": along, "time": float(u.time)}, ("y", "position"), "gap",
+                        {"units": "m", "long_name": "gap between the faces"})
+
+
+def _time_to_show(result: Result, shock: pd.Series[float]) -> float:
+    """The sample of the largest force within a shock; its middle where none falls into it [s]."""
+    within = result.contact.force.sel(time=slice(shock["start"], shock["start"] + shock["duration"])).load()
+    return float(within.time[int(np.argmax(within.values))]) if within.size else float(shock["start"] + shock["duration"] / 2)
+
+
+def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
+    """The gap around a shock, and the nodes in contact."""
+    if "displacement" not in result.modes("resonator"):
+        style.say_empty(axes, "the file has no motion of the modes (output.modes)", "Gap around the shock")
+        return
+    time = _time_to_show(result, shock)
+    x, y, _, _ = _block_at(result, time)
+    face = result.profile("slider")
+    nodes, rows = (slice(max(0, middle - PATCH), middle + PATCH + 1) for middle in (
+        int(np.abs(face.position.values - (shock["position"] - x)).argmin()),
+        int(np.abs(face.y.values - (shock["y"] - y)).argmin())))
+    found = gap(result, time, nodes, rows)
+    draw(axes, found, "viridis", "gap")
+    touching = int((found <= 0).sum())
+    if touching:
+        closed = np.where(found.values <= 0, 1.0, np.nan)
+        axes.imshow(closed, origin="lower", extent=axes.images[0].get_extent(), cmap=ListedColormap([RUST]),
+                    interpolation="none", aspect=axes.get_aspect())
+    axes.plot(shock["position"] * 1e3, shock["y"] * 1e3, marker="+", color="white", ms=9, mew=1.6)
+    axes.set_xlabel("x on the resonator [mm]")
+    axes.set_title(f"Gap around the shock (+) at {quantity(float(found.time), 's', 7)}; "
+                   + (f"brown: {touching} node{'s' if touching != 1 else ''} in contact" if touching else
+                      "no node is in contact at this sample"))
