@@ -281,7 +281,7 @@ Value<Part> numbers(std::vector<double> Part::*member, const std::string& unit) 
 /// Places on a body: numbers, or pairs `[x, y]`.
 template <class Part>
 Value<Part> places(std::vector<ProbePlace> Part::*member, const std::string& unit) {
-  Value<Part> value{"array of numbers, or of pairs `[x, y]`", unit, "[]", {}, {}, {}, {}};
+  Value<Part> value{"array of numbers", unit, "[]", {}, {}, {}, {}};
   value.read = [=](Reader& in, const std::string& key, Need, Part& part) {
     for (const std::vector<double>& place : in.numbers_or_pairs(key, unit)) {
       if (place.empty()) continue;  // a fault

@@ -516,7 +516,7 @@ const Keys<OutputSettings>& of_output() {
         "run. `ra2d run` begins nothing that the disk has no room for"},
        {"probes", places(&O::probes, "m"), has_default<O>(),
         "places on the resonator where displacement and velocity are written; in areal scenes "
-        "pairs"},
+        "pairs `[x, y]`"},
        {"slider_probes", places(&O::slider_probes, "m"), has_default<O>(),
         "such places on the slider"},
        {"microphones", tables(&O::microphones, of_microphone()), may_stand<O>("none"),

@@ -173,6 +173,7 @@ def requested(scene: Mapping[str, Any]) -> list[tuple[str, Markup]]:
          if time["scheme"] == "adaptive" else html("{}, steps of {}", time["scheme"], with_unit("step", time["step"]))),
         ("samples", html("{}; counted from {} on", with_unit("rate", output["rate"], 4, "k", 1e3),
                          with_unit("from", output.get("from", 0.0))))]
-    return rows + [("moving force", html("{} at {}", with_unit("force", force["force"]),
-                                         with_unit("speed", force["speed"])))
+    return rows + [("moving force", html("{} at {}{}", with_unit("force", force["force"]),
+                                         with_unit("speed", force["speed"]),
+                                         html(", {} across", _length("y", force["y"])) if "y" in force else ""))
                    for force in resonator.get("moving_force", [])]

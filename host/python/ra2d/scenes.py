@@ -36,7 +36,7 @@ KEYS: dict[str, list[str]] = {
 UNITS: dict[str, str] = {name: unit for unit, names in {
     "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young pressure", "kg/m^3": "density",
     "Pa/m": "stiffness", "N": "load force",
-    "m": "start gap spacing spacing_y side offset_x offset_y rsm_y length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
+    "m": "start gap spacing spacing_y side y offset_x offset_y rsm_y length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
          "slider_probes"}.items() for name in names.split()}
 LONGEST_TITLE = 48  # characters of a name within the names of files
 

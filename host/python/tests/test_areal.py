@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Results of areal scenes: maps, numbers of half waves, motion and gaps."""
 import re
+import shutil
 
+import h5py
 import numpy as np
 import pytest
 
@@ -34,6 +36,16 @@ def test_modes_have_their_half_waves(areal):
     assert modes.sizes["mode"] == 174 and np.allclose(modes.frequency, expected, rtol=1e-13)
     assert modes.displacement.units == "m2" and modes.mean_square.units == "m-2"
     assert "shape" not in modes and areal.modes("slider").sizes["mode"] == 3
+
+
+def test_a_file_without_the_y_of_its_shocks_is_refused(areal, folder):
+    broken = shutil.copy(areal.path, folder / "broken.h5")
+    with h5py.File(broken, "r+") as file:
+        del file["shocks/y"]
+    with pytest.raises(ra2d.FileError, match="as a result of ra2d"):
+        ra2d.load(broken).shocks  # noqa: B018
+    with pytest.raises(ra2d.FileError):
+        ra2d.load(broken).check()
 
 
 def test_probes_have_two_coordinates(areal):
