@@ -47,6 +47,19 @@ int first_flight_level(const Model& model) {
   return std::clamp(std::ilogb(2e-4 / (rate * model.tick)), 0, 40);
 }
 
+namespace {
+
+/// Nodes along the resonator whose patches are needed. The map of an areal scene, `padded`, ends
+/// where the slider does; moving forces go on to the plate's end.
+int nodes_with_shapes(const Model& model, int padded) {
+  if (!model.is_areal || model.scene.resonator.moving_forces.empty()) return padded;
+  constexpr double most = 0x1p30;
+  const double along = std::ceil(model.scene.resonator.length / model.scene.spacing) + 1;
+  return std::max(padded, static_cast<int>(std::min(along, most)));
+}
+
+}  // namespace
+
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
                    const Capacity& capacity) {
   const Scene& scene = model.scene;
@@ -65,7 +78,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   const int padded = model.row_heights() + n.row_groups * width + 2 * width;
   n.row_heights = padded - n.behind;
   n.heights = model.rows * n.row_heights;
-  n.patches = padded / series.patch_nodes + 1;
+  n.patches = nodes_with_shapes(model, padded) / series.patch_nodes + 1;
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
   n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;

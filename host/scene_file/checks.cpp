@@ -501,7 +501,7 @@ void check_probes(const Scene& s, const char* key, const std::vector<ProbePlace>
     else if (x < 0 || x > body.length)
       fault(
           fmt::format("{} m is off the {}: expected a place from 0 to {} m", x, name, body.length));
-    else if (y && !(*y >= 0 && *y <= body.width))
+    else if (y && (*y < 0 || *y > body.width))
       fault(fmt::format("y = {} m is off the {}: expected a place from 0 to {} m", *y, name,
                         body.width));
   }
@@ -580,7 +580,7 @@ void check_loads(const Scene& s, Document& document) {
                      "is of areal scenes: expected scene.kind = \"areal\", or drop the key");
     else if (s.kind == SceneKind::areal && !moving.y)
       document.fault(name + "y", fmt::format("missing: expected a place from 0 to {} m", width));
-    else if (moving.y && !(*moving.y >= 0 && *moving.y <= width))
+    else if (moving.y && (*moving.y < 0 || *moving.y > width))
       document.fault(name + "y",
                      fmt::format("{} m is off the resonator: expected a place from 0 to {} m",
                                  *moving.y, width));

@@ -49,7 +49,14 @@ class Reader : public testing::Test {
     header.probe_position = {0.5};
     header.compression = compression_;
     header.is_areal = is_areal_;
+    for (ModesHeader* modes : {&header.resonator, &header.slider}) {
+      modes->y = {0, 1, 2};
+      modes->shape_x.assign(2 * modes->frequency.size(), 1);
+      modes->shape_y.assign(3 * modes->frequency.size(), 1);
+    }
     header.resonator.mode_x = header.resonator.mode_y = {1, 2};
+    header.probe_y = {0.05};
+    if (is_areal_) header.resonator_height = header.slider_height = {0.0};
     ResultFile file(path_, header);
     SampleBlock b;
     for (std::size_t j = 0; j < samples; ++j) {
