@@ -64,7 +64,7 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real most_in_cells(const Lanes& lane
   return Kokkos::max(ends, other) + hidden * hidden / multiply_add(16.0, least, Real(1e-300));
 }
 
-/// The modes' part of that, at displacements that are at most `travel` [m] away from u.
+/// The modes' part of cell_sag, at displacements that are at most `travel` [m] away from u.
 template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION double modes_sag(const Lanes& lanes, const FaceTables& faces,
                                              const MotionLimits& bounds,
@@ -98,8 +98,8 @@ struct PiecePassed {
   }
 };
 
-/// Bound on the roundings of two positions [chi]: over shorter distances the slider moves in
-/// stairs, not along a line. Twice the roundings themselves, for what is computed from them.
+/// Bound on the roundings of two positions [chi]. Shorter distances are not resolved by the
+/// computed position. Twice the roundings themselves, for numbers computed from them.
 KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
   return 2 * 0x1p-52 * (place.position + 1.0);
 }

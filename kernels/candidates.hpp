@@ -118,10 +118,7 @@ class Candidates {
     const Bounds b = bounds(u, v, longest);
 
     // the candidate groups must hold for all states up to then
-    const bool is_areal = faces_.rows.across != nullptr;
-    int listed_steps = steps_to((place.part + 1) * motion_.window_width, place,
-                                is_areal ? aimed_steps_ : most_listed_steps);
-    if (longest < listed_steps) listed_steps = longest;
+    int listed_steps = steps_of_list(place, longest);
     const bool short_of_window = listed_steps < 1;
     if (short_of_window) listed_steps = 1;
     const double listed_time = listed_steps * tau;
@@ -157,10 +154,7 @@ class Candidates {
                         : steps_to_contact<false>(u, v, place, longest, listed_steps, half_curve,
                                                   slack, closing_slack, level, count, pressed);
     // the list of candidate groups may end the flight earlier
-    const double linear = b.speed * tau + half_curve;
-    const double valid_steps =
-        2.0 * remaining /
-        (Kokkos::sqrt(linear * linear + 4.0 * half_curve * remaining) + linear + 1e-300);
+    const double valid_steps = steps_of_travel(b.speed * tau + half_curve, half_curve, remaining);
     if (valid_steps < flight) flight = valid_steps;
     if (!(flight >= 0.0)) flight = 0.0;  // the state is not a number
     if (flight >= shortest_flight || count == 0 || flight >= longest) {
@@ -389,6 +383,19 @@ class Candidates {
     return b;
   }
 
+  /// Steps over which a list of nodes is to hold: no further than the window.
+  KOKKOS_FORCEINLINE_FUNCTION int steps_of_list(const Place& place, int longest) const {
+    const bool is_areal = faces_.rows.across != nullptr;
+    const int steps = steps_to((place.part + 1) * motion_.window_width, place,
+                               is_areal ? aimed_steps_ : most_listed_steps);
+    return longest < steps ? longest : steps;
+  }
+  /// The n with linear n + half_curve n^2 = travel, or a little less.
+  KOKKOS_FORCEINLINE_FUNCTION static double steps_of_travel(double linear, double half_curve,
+                                                            double travel) {
+    return 2.0 * travel /
+           (Kokkos::sqrt(linear * linear + 4.0 * half_curve * travel) + linear + 1e-300);
+  }
   /// Steps until the slider's nodes stand `edge` [chi] behind the resonator's, at the most
   /// `longest`; less than one when they get there within this step.
   RA2D_FUNCTION int steps_to(double edge, const Place& place, int longest) const {

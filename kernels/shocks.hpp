@@ -208,8 +208,8 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
 /// touch step after step, a shock each. Not in areal scenes.
 class SteadyShocks {
  public:
-  /// From now on the open shocks stand here and no longer in `shocks`, if it may be this case.
-  /// `step`: the latest one that these took in.
+  /// Moves the open shocks from `shocks` here if the steady case may apply. `step`: the latest one
+  /// that they include.
   KOKKOS_FORCEINLINE_FUNCTION void take_over(const ShockTracking& shocks, const RunBuffer& runs,
                                              std::int64_t step) {
     if (runs.row != 0 || shocks.run_count > most || shocks.open_count != shocks.run_count) return;
@@ -288,7 +288,7 @@ class SteadyShocks {
   }
 };
 
-/// track_shocks in the cheapest way that does.
+/// The cheapest variant of track_shocks that applies.
 KOKKOS_FORCEINLINE_FUNCTION void take_contact(SteadyShocks& steady, ShockTracking& shocks,
                                               RunBuffer& runs, ShockBuffer& ended,
                                               const ContactList& list, int count, std::int64_t step,

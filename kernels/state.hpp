@@ -40,7 +40,7 @@ struct NodeSums {
   double overlap, moment, work;
 };
 
-/// A run of neighbouring slider nodes in contact, in areal scenes of one row.
+/// Consecutive slider nodes in contact; in areal scenes all in one row.
 struct ContactRun {
   int first, last;  // nodes
   int shock;        // index of the open shock that it belongs to
@@ -86,7 +86,7 @@ struct CarriedModes {
   double* square_part = nullptr;  // sum since then (adaptive: within 4096 steps)
 };
 
-/// Sums over the steps, in the same two parts.
+/// Sums over the steps, each in two parts: up to the last sample, and since then.
 struct RunningSums {
   double sliding_work = 0;                 // J
   double gross_face_work = 0;              // J/chi: sum of |ContactTotals::face_work|
@@ -369,6 +369,42 @@ void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
 }
 
 template <class Visit>
+void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
+  const auto lanes = static_cast<std::size_t>(n.lanes);
+  const std::size_t nodes = n.padded_nodes(), groups = n.groups;
+  const auto contacts = static_cast<std::size_t>(n.contacts);
+  visit("series", s.series.modes, (most_order + 1) * lanes);
+  visit("square_series", s.series.squares, most_order * lanes);
+  visit("force_series", s.series.forces, (most_order + 1) * lanes);
+  visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);
+  visit("contact_shapes", s.series.shapes, contacts * 4 * lanes);
+  visit("one_shape", s.series.one_shape, 4 * lanes);
+  visit("polynomial", s.search.polynomial, std::size_t{overlap_terms});
+  visit("bernstein", s.search.bernstein, std::size_t{2 * overlap_terms});
+  visit("hulls", s.spans.hulls, contacts);
+  visit("sums", s.spans.sums, contacts);
+  visit("ends", s.spans.ends, contacts);
+  visit("onsets", s.search.onsets, static_cast<std::size_t>(n.listed));
+  visit("end_overlaps", s.search.overlaps, 4 * nodes);
+  if (n.rows > 0) {
+    visit("highest", s.candidates.highest, groups);
+    visit("selected", s.search.selected, groups);
+    visit("evaluated", s.search.evaluated, groups);
+  }
+  if (n.smooth) {
+    visit("stage_velocity", s.stages.velocity, formula_stages * lanes);
+    visit("stage_acceleration", s.stages.acceleration, formula_stages * lanes);
+    visit("motion_u", s.stages.u, motion_terms * lanes);
+    visit("motion_v", s.stages.v, motion_terms * lanes);
+    visit("stage_power", s.stages.power, std::size_t{2 * formula_stages});
+    visit("stage_cells", s.stages.cells, contacts);
+    visit("stage_force", s.stages.force, contacts * formula_stages);
+    visit("stage_centre", s.stages.centre, contacts * formula_stages);
+    visit("cell_runs", s.stages.runs, contacts);
+  }
+}
+
+template <class Visit>
 void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
   const std::size_t nodes = n.padded_nodes(), groups = n.groups;
@@ -405,38 +441,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
       visit("active_rows", s.active.rows, active * lanes);
     }
   }
-  if (n.adaptive()) {
-    const auto contacts = static_cast<std::size_t>(n.contacts);
-    visit("series", s.series.modes, (most_order + 1) * lanes);
-    visit("square_series", s.series.squares, most_order * lanes);
-    visit("force_series", s.series.forces, (most_order + 1) * lanes);
-    visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);
-    visit("contact_shapes", s.series.shapes, contacts * 4 * lanes);
-    visit("one_shape", s.series.one_shape, 4 * lanes);
-    visit("polynomial", s.search.polynomial, std::size_t{overlap_terms});
-    visit("bernstein", s.search.bernstein, std::size_t{2 * overlap_terms});
-    visit("hulls", s.spans.hulls, contacts);
-    visit("sums", s.spans.sums, contacts);
-    visit("ends", s.spans.ends, contacts);
-    visit("onsets", s.search.onsets, listed);
-    visit("end_overlaps", s.search.overlaps, 4 * nodes);
-    if (n.rows > 0) {
-      visit("highest", s.candidates.highest, groups);
-      visit("selected", s.search.selected, groups);
-      visit("evaluated", s.search.evaluated, groups);
-    }
-    if (n.smooth) {
-      visit("stage_velocity", s.stages.velocity, formula_stages * lanes);
-      visit("stage_acceleration", s.stages.acceleration, formula_stages * lanes);
-      visit("motion_u", s.stages.u, motion_terms * lanes);
-      visit("motion_v", s.stages.v, motion_terms * lanes);
-      visit("stage_power", s.stages.power, std::size_t{2 * formula_stages});
-      visit("stage_cells", s.stages.cells, contacts);
-      visit("stage_force", s.stages.force, contacts * formula_stages);
-      visit("stage_centre", s.stages.centre, contacts * formula_stages);
-      visit("cell_runs", s.stages.runs, contacts);
-    }
-  }
+  if (n.adaptive()) visit_adaptive_arrays(s, n, visit);
 }
 
 template <class Visit>

@@ -18,12 +18,12 @@ HeightMap rough_map(int rows, int nodes, double rms, std::uint64_t seed) {
   HeightMap map(rows, std::vector<double>(nodes, 0.0));
   for (int w = 0; w < waves; ++w) {
     const double wave = 2 * std::numbers::pi / dice.uniform(6, 25),
-                 way = dice.uniform(0, 2 * std::numbers::pi),
+                 direction = dice.uniform(0, 2 * std::numbers::pi),
                  phase = dice.uniform(0, 2 * std::numbers::pi);
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < nodes; ++i)
         map[j][i] += rms * std::sqrt(2.0 / waves) *
-                     std::cos(wave * (i * std::cos(way) + j * std::sin(way)) + phase);
+                     std::cos(wave * (i * std::cos(direction) + j * std::sin(direction)) + phase);
   }
   return map;
 }

@@ -67,7 +67,7 @@ Equations::Equations(const Model& model)
 
   const int count = model.nodes();
   half_ = (count + 1) / 2;
-  reach_ = 0.5 * (count - 1) * spacing;
+  half_length_ = 0.5 * (count - 1) * spacing;
   even_ = odd_ = Eigen::MatrixXd::Zero(padded(half_), waves + modes1_);
   for (Index i = 0; i < half_; ++i) {
     const double d = (static_cast<double>(i) + (count % 2 == 0 ? 0.5 : 0)) * spacing;
@@ -77,8 +77,8 @@ Equations::Equations(const Model& model)
         even_(i, w) = std::cos(beta * d);
         odd_(i, w) = beta > 0 ? std::sin(beta * d) / beta : d;
       } else {  // times exp(-beta reach), which locate() makes up for: nothing overflows
-        const double rising = std::exp(beta * (d - reach_));
-        const double falling = std::exp(-beta * (d + reach_));
+        const double rising = std::exp(beta * (d - half_length_));
+        const double falling = std::exp(-beta * (d + half_length_));
         even_(i, w) = 0.5 * (rising + falling);
         odd_(i, w) = 0.5 * (rising - falling) / beta;
       }
@@ -116,13 +116,13 @@ Equations::Half Equations::half_of(int node) const {
 }
 
 void Equations::locate(Place& place) const {
-  const double x = static_cast<double>(place.base) * spacing + reach_;
+  const double x = static_cast<double>(place.base) * spacing + half_length_;
   for (Index w = 0; w < kappa_.size(); ++w) {
     const BeamShape& mode = shapes_[w < modes2_ ? w : w - hyperbolic_];
     const double beta = mode.beta;
     if (kappa_[w] > 0) {
-      const double left = mode.left * std::exp(-beta * (x - reach_));
-      const double right = mode.right * std::exp(-beta * (length_ - x - reach_));
+      const double left = mode.left * std::exp(-beta * (x - half_length_));
+      const double right = mode.right * std::exp(-beta * (length_ - x - half_length_));
       place.value[w] = left + right;
       place.slope[w] = beta * (right - left);
     } else if (beta > 0) {

@@ -130,7 +130,7 @@ class Equations {
   Eigen::Index hyperbolic_ = 0;
   Eigen::ArrayXd kappa_;              // 1/m^2, of each wave
   int terms_ = 1;                     // of c and s as series over a window
-  double reach_;                      // m, from the slider's middle to its last node
+  double half_length_;                // m, from the slider's middle to its last node
   Eigen::Index half_;                 // nodes on one side, the middle one included
   Eigen::MatrixXd even_, odd_;        // c and s, then halves of psi (node from the middle, column)
   Eigen::ArrayXd height1_, height2_;  // h_1 - delta; h_2 and, behind its end, its last value again

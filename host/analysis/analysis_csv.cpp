@@ -7,7 +7,7 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "host/base/csv.hpp"
 
 namespace ra2d {

@@ -3,7 +3,7 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 
 namespace ra2d {
 namespace {
@@ -45,7 +45,7 @@ Json energy_json(const Analysis& a) {
       {"sliding_power", e.sliding}, {"load_power", e.load},           {"damping_power", e.damping},
       {"storing_power", e.storing}, {"missing_power", e.missing},     {"kinetic", e.kinetic},
       {"elastic", e.elastic},       {"contact", e.contact},           {"closure", a.energy_closure},
-      {"given_power", e.given},     {"per_shock", a.energy_per_shock}};
+      {"contact_power", e.given},   {"per_shock", a.energy_per_shock}};
 }
 
 Json spectrum_json(const VelocitySpectrum& s) {

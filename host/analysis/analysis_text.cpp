@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "host/analysis/bands.hpp"
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "host/base/format.hpp"
 #include "host/base/text.hpp"
 

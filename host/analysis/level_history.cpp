@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t most_parts = 200, independent_parts = 10;
 
-/// By how much chance of a mean is greater than ten parts let it seem, where what they are parts of
-/// forgets as exp(-t / forgotten). With the variance of a mean over T of such a process, v(T) = 2 a
+/// Factor by which to widen the standard error found from ten parts of a process whose correlation
+/// falls as exp(-t / forgotten). With the variance of a mean over T of such a process, v(T) = 2 a
 /// (1 - a (1 - exp(-1/a))), a = forgotten / T, the parts' scatter is v(T/10) - v(T) on average.
 double widening(double part, double forgotten) {
   const auto variance = [&](double seconds) {

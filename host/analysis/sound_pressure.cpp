@@ -180,7 +180,7 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
           "longer stretch, a nearer microphone or a higher output.rate",
           file.string(), place_text(sound.position), stretch.from, stretch.to, arrives,
           sound.distances.largest / resonator.air.sound_speed,
-          static_cast<double>(filter_reach) / contents.rate));
+          static_cast<double>(filter_half_length) / contents.rate));
     sound.first =
         range.begin + static_cast<std::size_t>(std::llround(contents.start * contents.rate));
     sound.from = contents.start + static_cast<double>(range.begin) / contents.rate;

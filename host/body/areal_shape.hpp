@@ -29,7 +29,9 @@ struct ArealShape final : ModeShape {
   CubicRemainder cubic_remainder(double radius) const override {
     return along.cubic_remainder(radius);
   }
-  double fourth_factor(double unit) const override { return along.fourth_factor(unit); }
+  double fourth_derivative_factor(double unit) const override {
+    return along.fourth_derivative_factor(unit);
+  }
   double mean_square(int nodes, double spacing) const override;
   void append_parameters(std::vector<double>& out) const override;
 };

@@ -153,7 +153,7 @@ CubicRemainder BeamShape::cubic_remainder(double radius) const {
   return {wave * std::pow(beta * radius, 4) / 24, wave * beta * std::pow(beta * radius, 3) / 6};
 }
 
-double BeamShape::fourth_factor(double unit) const { return std::pow(beta * unit, 4); }
+double BeamShape::fourth_derivative_factor(double unit) const { return std::pow(beta * unit, 4); }
 
 void BeamShape::append_parameters(std::vector<double>& out) const {
   out.insert(out.end(), {length, beta, sine, cosine, left, right, constant, slope});

@@ -24,7 +24,7 @@ struct BeamShape final : ModeShape {
   double largest_curvature(double beyond) const override;
   double growth(double beyond) const override;
   CubicRemainder cubic_remainder(double radius) const override;
-  double fourth_factor(double unit) const override;  // psi'''' = beta^4 psi
+  double fourth_derivative_factor(double unit) const override;  // psi'''' = beta^4 psi
   void append_parameters(std::vector<double>& out) const override;
 
   /// The largest |psi'|/beta and |psi''|/beta^2 of the elastic part up to `beyond` [m] behind the

@@ -57,13 +57,13 @@ class ModeShape {
   virtual CubicRemainder cubic_remainder(double radius) const = 0;
 
   /// Factor that leads from one derivative to the fourth after it, lengths in units of `unit` [m]:
-  /// psi^(j+4) = fourth_factor psi^(j). The march stores the value and three derivatives of a shape
-  /// at the centre of each patch, and continues the series by this factor.
+  /// psi^(j+4) = fourth_derivative_factor psi^(j). The march stores the value and three derivatives
+  /// of a shape at the centre of each patch, and continues the series by this factor.
   ///
   /// A shape without such a factor (a measured mode, a plate with free edges) needs all terms of
   /// its series stored for each patch: wider patch tables (host/device/fill.cpp), and kernels that
   /// read them where they multiply by the factor now (kernels/displacement.hpp). That is not built.
-  virtual double fourth_factor(double unit) const = 0;
+  virtual double fourth_derivative_factor(double unit) const = 0;
 
   /// across and its first `derivatives` - 1 derivatives at y [m], from the body's edge:
   /// out[j] = d^j across/dy^j.

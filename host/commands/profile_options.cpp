@@ -70,7 +70,7 @@ void add_reading(ProfileOptionList& list, ProfileQuery& query) {
       "the column of heights, from 1 [the second, after x]; of an areal file a profile along y");
   list.index("--row", query.row, "the row of an areal file, from 1: a profile along x");
   list.word("--decimal", "MARK:{point,comma}",
-            "where the file leaves open what a comma is [what the file tells]", "point or comma",
+            "the decimal mark, where the file is ambiguous [from the file]", "point or comma",
             either<DecimalMark>({{"point", DecimalMark::point}, {"comma", DecimalMark::comma}}),
             [&query](DecimalMark mark) { query.decimal = mark; });
 }

@@ -51,7 +51,7 @@ void show_run_progress(const Progress& p) {
                    clock_text(p.left)));
 }
 
-constexpr double much_energy = 0.05;  // of what went through
+constexpr double much_energy = 0.05;  // of the largest term of the balance
 
 /// The likely reason of a balance that does not close.
 std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
@@ -102,7 +102,7 @@ void print_energy(const Scene& scene, const EnergyBalance& energy) {
              energy.samples < 2
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
              : energy.turnover > 0
-                 ? fmt::format("closes to {:.1e} of what went through ({:.2e} of {:.2e} J)",
+                 ? fmt::format("balance off by {:.1e} of its largest term ({:.2e} of {:.2e} J)",
                                energy.closure(), energy.residual, energy.turnover)
                  : std::string("none went through"));
   if (energy.closure() > much_energy) print_line("warning", energy_text(scene, energy));
@@ -137,7 +137,7 @@ int say_run_ending(const SceneOptions& common, const RunReport& report,
                    const std::filesystem::path& output) {
   const std::string kept =
       fmt::format("the results so far are in {}, marked as cut short{}", output.string(),
-                  report.resumable ? ". The same line goes on from here" : "");
+                  report.resumable ? ". The same command continues from here" : "");
   switch (report.ending) {
     case Ending::failed:
       say(fmt::format("{}: {}. What was computed until then is in {}, marked as cut short",

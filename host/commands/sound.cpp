@@ -67,14 +67,14 @@ fs::path sidecar_of(const fs::path& sound) {
 /// Throws FileError where the file does not hold together, or where the probe's velocity is none
 /// that a run can have come to: what its seal does not tell.
 void require_velocity(const Wanted& wanted) {
-  constexpr std::size_t rows_together = 1 << 16;
+  constexpr std::size_t rows_at_once = 1 << 16;
   const ResultReader reader(wanted.result);
   const ResultContents& contents = reader.contents();
   const auto& probes = wanted.of_slider ? contents.slider_probe_position : contents.probe_position;
   if (wanted.probe < 1 || wanted.probe > probes.size()) return;  // which Python refuses
-  for (std::size_t first = 0; first < contents.samples; first += rows_together)
+  for (std::size_t first = 0; first < contents.samples; first += rows_at_once)
     reader.columns(wanted.of_slider ? "slider_probes/velocity" : "probes/velocity", first,
-                   std::min(rows_together, contents.samples - first), wanted.probe - 1, 1);
+                   std::min(rows_at_once, contents.samples - first), wanted.probe - 1, 1);
 }
 
 /// Writes the pressure at each microphone, one after the other, as numbers of eight bytes. Returns

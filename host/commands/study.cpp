@@ -135,7 +135,7 @@ int say_study_ending(const StudyRuns& runs, const MarchedStudy& marched) {
   say_failed(runs, failed);
   const StudyWork& work = marched.work;
   const std::string kept =
-      fmt::format("{} of {} are finished and kept; the same line goes on",
+      fmt::format("{} of {} are finished and kept; the same command continues",
                   work.done + work.failed + marched.finished(), runs_text(work.runs));
   if (marched.was_cut && marched.all.signal != 0) {
     say("interrupted: " + kept);
@@ -255,7 +255,7 @@ void add_study(CLI::App& app, ChosenCommand& chosen) {
       app.add_subcommand("study",
                          "runs every combination of a study once, in parallel (under mpirun all "
                          "ranks share them), and makes one table of them "
-                         "(DIR/results.h5); the same line again goes on where it was cut off");
+                         "(DIR/results.h5); the same command continues it");
   study->require_subcommand(0, 1);
   CLI::Option* file = study->add_option(
       "STUDY.toml", request->study, "study: a base scene, keys to set, keys to vary, seeds (TOML)");

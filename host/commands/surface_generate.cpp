@@ -62,7 +62,7 @@ void check_request(const GenerateRequest& request) {
                       "spacings",
                       name, *wave, request.spacing, least_per_wave));
   if (request.surface.exact == Exactly::rq_and_rsm && !request.surface.rsm)
-    throw RequestError("--exact rq+rsm: there is no --rsm to be exact");
+    throw RequestError("--exact rq+rsm needs --rsm");
   if (request.surface.seed > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()))
     throw RequestError(fmt::format("--seed {}: expected at most {}, as in a scene",
                                    request.surface.seed, std::numeric_limits<std::int64_t>::max()));

@@ -98,7 +98,7 @@ void add_preparation(CLI::App& map, MapRequest& request) {
       [&request](const LengthUnit& unit) { request.query.z_unit = unit; });
   word(
       "--decimal", "MARK:{point,comma}",
-      "where a text leaves open what a comma is [what the file tells]", "point or comma",
+      "the decimal mark, where the text is ambiguous [from the file]", "point or comma",
       [](const std::string& text) -> std::optional<DecimalMark> {
         if (text == "point") return DecimalMark::point;
         if (text == "comma") return DecimalMark::comma;

@@ -96,7 +96,7 @@ void add_uncertainty(CLI::App& app, ChosenCommand& chosen) {
       ->capture_default_str();
   command
       ->add_option("-o,--output", request.folder,
-                   "folder where the runs are kept; the same line goes on where it was cut off "
+                   "folder where the runs are kept; the same command continues there "
                    "[SCENE's name with -uncertainty, in the current folder]")
       ->type_name("FOLDER")
       ->check(path());

@@ -41,7 +41,7 @@ class CudaQueue : public DeviceQueue {
   CudaQueue() {
     use_device();
     check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "make a stream");
-    // who waits sleeps, and leaves its core to who makes scenes ready
+    // waiting threads sleep, so that their cores can prepare scenes
     check(cudaEventCreateWithFlags(&done_, cudaEventBlockingSync | cudaEventDisableTiming),
           "make an event");
   }
@@ -102,7 +102,7 @@ class CudaDevice : public Device {
     return static_cast<char*>(block);
   }
   void release(char* block) noexcept override {
-    cudaSetDevice(Kokkos::device_id());  // a fault was told of by who worked there
+    cudaSetDevice(Kokkos::device_id());  // the thread that used the device has reported faults
     cudaFree(block);
   }
   char* allocate_on_host(std::size_t bytes) override {

@@ -210,7 +210,7 @@ void Filler::modes() {
       host_(tables_.bounds.largest_curvature)[lane] = shape.largest_curvature(2 * radius_);
       host_(tables_.bounds.cubic_remainder)[lane] = remainder.value;
       host_(tables_.bounds.cubic_slope_remainder)[lane] = remainder.slope;
-      host_(tables_.patches.quartic)[lane] = shape.fourth_factor(radius_);
+      host_(tables_.patches.quartic)[lane] = shape.fourth_derivative_factor(radius_);
     }
   // from rest the velocity is up to a step ahead of the work of these forces, or (midpoint) half a
   // step behind

@@ -65,9 +65,8 @@ class DevicePool : public MemorySource {
   ~DevicePool() override { give_back(); }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
-  /// One that is free and at the most a tenth too large (as much as backend_memory leaves), or a
-  /// new one. Where that is more than it is to hold, or than there is, all that are free go back
-  /// first.
+  /// A free block that is at most a tenth too large (as much as backend_memory leaves), else a new
+  /// one. Frees all unused blocks first where the limit, or the memory, is reached.
   Block lend(std::size_t bytes) override;
   void take_back(char* data, std::size_t bytes) noexcept override;
 

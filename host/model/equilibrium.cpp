@@ -45,7 +45,7 @@ class OverlapsAlong {
 
   /// sum_n max(0, overlap_n) change_n at a length >= 0 [m^2].
   double sum(double length) {
-    if (length > reach_) find(length);
+    if (length > listed_to_) find(length);
     return (at_.head(count_) + length * change_.head(count_))
         .cwiseMax(0.0)
         .dot(change_.head(count_));
@@ -55,7 +55,7 @@ class OverlapsAlong {
   const Eigen::VectorXd &all_at_, &all_change_;
   Eigen::VectorXd at_, change_;  // of the first `count_`
   Eigen::Index count_ = 0;
-  double reach_ = -1;  // they are all that overlap up to this length
+  double listed_to_ = -1;  // they are all that overlap up to this length
 
   /// A node that overlaps at neither end of a stretch overlaps nowhere within. Nodes are kept or
   /// dropped in blocks as wide as the sum's, so that the sum has the order of the one over all.
@@ -70,7 +70,7 @@ class OverlapsAlong {
       change_.segment(count_, size) = change;
       count_ += size;
     }
-    reach_ = length;
+    listed_to_ = length;
   }
 };
 

@@ -41,7 +41,8 @@ bool holds(const FaceChoice& choice) { return choice.errors.most() <= face_accur
 /// The scene's choices, one by one.
 class Chooser {
  public:
-  Chooser(const Model& model, double width, double way) : model_{model}, width_{width}, way_{way} {}
+  Chooser(const Model& model, double width, double sliding_distance)
+      : model_{model}, width_{width}, sliding_distance_{sliding_distance} {}
 
   /// Adds a choice and returns whether it holds; nothing where the scene cannot have it.
   std::optional<bool> add(Faces faces, double spacing) {
@@ -53,7 +54,7 @@ class Chooser {
     try {
       if (!choice.is_own && !can_be(scene)) return std::nullopt;
       choice.errors = faces == Faces::smooth ? smooth_errors(spline_errors(scene))
-                                             : linear_errors(spacing, width_, way_);
+                                             : linear_errors(spacing, width_, sliding_distance_);
     } catch (const RequestError&) {  // of a measured face, too wide a spacing
       return std::nullopt;
     }
@@ -95,7 +96,7 @@ class Chooser {
   }
 
   const Model& model_;
-  double width_, way_;  // m, of a contact; of the slider while it lasts
+  double width_, sliding_distance_;  // m, of a contact; of the slider while it lasts
   std::vector<FaceChoice> found_;
 };
 
@@ -103,11 +104,11 @@ class Chooser {
 
 double FaceErrors::most() const { return std::max({level, rate, duration}); }
 
-FaceErrors linear_errors(double spacing, double width, double way) {
+FaceErrors linear_errors(double spacing, double width, double sliding_distance) {
   // under multipliers a contact is one node, whatever the spacing: shocks go with it
   if (width == 0) return {infinity, infinity, infinity};
   const double square = std::pow(spacing / width, 2);
-  const double felt = way > 0 ? std::min(1.0, spacing / way) : 1.0;
+  const double felt = sliding_distance > 0 ? std::min(1.0, spacing / sliding_distance) : 1.0;
   return {.level = std::min(most_level, linear_level * square),
           .rate = std::min(most_rate, linear_rate * square * felt),
           .duration = std::min(most_duration, linear_duration * square * felt)};

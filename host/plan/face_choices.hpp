@@ -51,8 +51,8 @@ double spline_error(const std::vector<double>& height);
 bool spline_follows(const std::vector<double>& height);
 
 /// Linear faces of nodes so far apart, where a contact is `width` [m] wide (0: under multipliers)
-/// and the slider moves on by `way` [m] while a shock lasts.
-FaceErrors linear_errors(double spacing, double width, double way);
+/// and the slider moves on by `sliding_distance` [m] while a shock lasts.
+FaceErrors linear_errors(double spacing, double width, double sliding_distance);
 
 /// Smooth faces whose splines are off by `off` of the root mean square height.
 FaceErrors smooth_errors(double off);

@@ -87,7 +87,7 @@ std::string body_text(const char* name, const Scene& scene, const BodySpec& spec
   text += fmt::format(": {} modes", plan.rigid_modes + plan.elastic_modes);
   if (plan.rigid_modes > 0) text += fmt::format(", {} of them rigid", plan.rigid_modes);
   if (plan.elastic_modes > 0)
-    text += fmt::format(", the highest at {:.0f} Hz ({:.0f} nodes to its wave)", plan.highest,
+    text += fmt::format(", the highest at {:.0f} Hz ({:.0f} nodes per wavelength)", plan.highest,
                         plan.wavelength_nodes);
   text += '\n';
   if (plan.elastic_modes > 0)
@@ -272,8 +272,7 @@ std::string stability_text(const Scene& scene, const Plan& plan) {
   const bool spring = scene.contact.law == ContactLaw::penalty;
   std::string text =
       fmt::format("stability  the largest steps that hold{}:\n",
-                  spring ? ", the contact spring closed at the place that yields most"
-                         : "; there is no contact spring");
+                  spring ? ", in contact at the softest place" : "; there is no contact spring");
   const auto line = [&](const std::string& name, const std::string& modes, const std::string& one,
                         const std::string& many, const std::string& holds) {
     text += fmt::format("           {:<28}{:<19} ", name, modes);

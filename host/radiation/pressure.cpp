@@ -16,22 +16,22 @@ using Complex = std::complex<double>;
 constexpr std::size_t least_block = 2048, slack = 8;          // samples
 constexpr std::size_t bytes_at_once = std::size_t{32} << 20;  // of a record
 
-/// Kaiser's window for 180 dB, which the band's two edges ask for with `filter_reach`.
+/// Kaiser's window for 180 dB, which the band's two edges ask for with `filter_half_length`.
 double kaiser(double u) {
   constexpr double sharpness = 18.88;
   return std::cyl_bessel_i(0, sharpness * std::sqrt(std::max(0.0, 1 - u * u))) /
          std::cyl_bessel_i(0, sharpness);
 }
 
-/// i omega times the low pass, delayed by `filter_reach` samples, at the lines of a block: from
-/// velocity to acceleration.
+/// i omega times the low pass, delayed by `filter_half_length` samples, at the lines of a block:
+/// from velocity to acceleration.
 std::vector<Complex> differentiating_lines(double rate, std::size_t block) {
   constexpr double middle = (passed + stopped) / 2;  // of half the rate
   Fourier fourier(block);
   const auto input = fourier.input();
   std::fill(input.begin(), input.end(), 0.0);
-  constexpr auto half = static_cast<double>(filter_reach);
-  for (std::size_t n = 0; n <= 2 * filter_reach; ++n) {
+  constexpr auto half = static_cast<double>(filter_half_length);
+  for (std::size_t n = 0; n <= 2 * filter_half_length; ++n) {
     const double t = static_cast<double>(n) - half;
     const double low = t == 0 ? middle : std::sin(M_PI * middle * t) / (M_PI * t);
     input[n] = low * kaiser(t / half);
@@ -44,9 +44,9 @@ std::vector<Complex> differentiating_lines(double rate, std::size_t block) {
   return lines;
 }
 
-std::size_t taps_of(double way, const Air& air, double rate) {
-  return static_cast<std::size_t>(std::ceil(way / air.sound_speed * rate)) + 2 * filter_reach +
-         slack;
+std::size_t taps_of(double path_length, const Air& air, double rate) {
+  return static_cast<std::size_t>(std::ceil(path_length / air.sound_speed * rate)) +
+         2 * filter_half_length + slack;
 }
 
 std::size_t block_of(std::size_t taps) { return std::max(least_block, std::bit_ceil(4 * taps)); }
@@ -98,8 +98,8 @@ PressureFilters::PressureFilters(const Radiator& radiator, const Air& air,
 
 double PressureFilters::bytes(const Radiator& radiator, const Air& air, std::size_t places,
                               double rate, std::size_t samples) {
-  const double way = std::hypot(radiator.length, radiator.width);
-  const auto lines = static_cast<double>(block_of(taps_of(way, air, rate)) / 2 + 1);
+  const double path_length = std::hypot(radiator.length, radiator.width);
+  const auto lines = static_cast<double>(block_of(taps_of(path_length, air, rate)) / 2 + 1);
   const auto modes = static_cast<double>(radiator.modes.size());
   const double pressures = static_cast<double>(samples) * sizeof(double);
   return static_cast<double>(places) * (lines * modes * sizeof(Complex) + pressures) +
@@ -110,9 +110,9 @@ PressureFilters::Range PressureFilters::carried(std::size_t place,
                                                 const VelocityRecord& record) const {
   const Filter& filter = filters_[place];
   Range range;
-  if (!record.rests_before) range.begin = filter.lead + filter.taps - filter_reach;
+  if (!record.rests_before) range.begin = filter.lead + filter.taps - filter_half_length;
   range.end = record.samples + filter.lead;
-  range.end -= std::min(range.end, filter_reach);
+  range.end -= std::min(range.end, filter_half_length);
   return range;
 }
 
@@ -122,7 +122,7 @@ std::vector<std::vector<double>> PressureFilters::pressures(
   // output n of the convolution is the pressure at sample n + lead - reach
   std::size_t begin = record.samples, end = 0;
   const auto output_of = [&](std::size_t place, std::size_t sample) {
-    const std::size_t ahead = sample + filter_reach;
+    const std::size_t ahead = sample + filter_half_length;
     return ahead - std::min(ahead, filters_[place].lead);
   };
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -167,9 +167,10 @@ std::vector<std::vector<double>> PressureFilters::pressures(
         back.transform();
         for (std::size_t n = first; n < last; ++n) {
           const std::size_t sample = n + filter.lead;
-          if (sample < filter_reach + ranges[i].begin || sample >= filter_reach + ranges[i].end)
+          if (sample < filter_half_length + ranges[i].begin ||
+              sample >= filter_half_length + ranges[i].end)
             continue;
-          found[i][sample - filter_reach - ranges[i].begin] =
+          found[i][sample - filter_half_length - ranges[i].begin] =
               back.output()[n - first + before] / static_cast<double>(block_);
         }
       }

@@ -14,7 +14,7 @@ namespace ra2d {
 inline constexpr double passed = 0.91, stopped = 1.0;
 /// Samples on either side by which the filter that makes this band reaches: at either end of a
 /// record they are missing.
-inline constexpr std::size_t filter_reach = 133;
+inline constexpr std::size_t filter_half_length = 133;
 
 /// Velocities of all modes, of `count` samples from `first` on, each mode in a vector of its own.
 using VelocitySource =

@@ -20,7 +20,7 @@ void add_panel(double low, double high, const Points& rule, Points& points) {
 void add_halved(double low, double high, const Pole& pole, double near, const Points& rule,
                 Points& points) {
   const double along = std::max({low - pole.at, pole.at - high, 0.0});
-  const double distance = std::hypot(along, pole.beside);
+  const double distance = std::hypot(along, pole.distance);
   const double middle = (low + high) / 2;
   if (high - low <= 2 * near * distance || !(low < middle && middle < high)) {
     add_panel(low, high, rule, points);

@@ -24,10 +24,10 @@ struct Fineness {
   double near = 0.8;  // half a panel, over its distance from a pole
 };
 
-/// Where an integrand has a pole: at `at` on the line, or `beside` it, which may be 0 outside of
-/// the interval only.
+/// A pole of an integrand: over the place `at`, at a distance from the line that may be 0 outside
+/// of the interval alone.
 struct Pole {
-  double at = 0, beside = 0;  // m
+  double at = 0, distance = 0;  // m
 };
 
 /// Points from `low` to `high` for an integrand that turns by `turning` [rad/m] and has a pole.

@@ -41,7 +41,7 @@ std::string fault_of(const Checkpoint& c, const Model& model, Outputs outputs) {
       a.now.shocks_begun != c.state.values.shocks.begun ||
       std::ssize(a.now.open_shocks) != c.state.values.shocks.open_count ||
       a.begin.step > a.now.step || a.samples < 0 || a.samples > model.kept_samples())
-    return "its accounts and its state are of two moments";
+    return "its statistics and its state are from different times";
   if (outputs == Outputs::kept && samples != a.samples)
     return "its outputs and its accounts do not agree";
   if (!a.durations.is_sound() || !a.forces.is_sound()) return "its histograms are none";

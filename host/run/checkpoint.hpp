@@ -10,7 +10,7 @@
 #include "host/model/model.hpp"
 #include "host/run/run_watch.hpp"
 #include "host/run/simulation.hpp"
-#include "host/store/beside.hpp"
+#include "host/store/output_names.hpp"
 #include "host/store/recording.hpp"
 
 /// Checkpoints: a run that was cut off goes on from one.

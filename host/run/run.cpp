@@ -108,12 +108,12 @@ class FiledRun {
         mean_squares_{mean_squares},
         wall_before_{before ? before->wall_seconds : 0.0},
         watch_{model, files.sink()},
-        way_{std::move(model), std::move(start), {}, &watch_} {
+        scene_run_{std::move(model), std::move(start), {}, &watch_} {
     if (!before) return;
     if (before->seen.samples != static_cast<std::uint64_t>(before->accounts.samples))
-      throw std::invalid_argument("its intervals and its accounts are of two moments");
+      throw std::invalid_argument("its intervals and its statistics are from different times");
     watch_.go_on(std::move(before->seen));
-    way_.go_on(std::move(before->state), std::move(before->accounts));
+    scene_run_.go_on(std::move(before->state), std::move(before->accounts));
   }
 
   /// Marches the run to its end, or to where it is cut off.
@@ -121,9 +121,9 @@ class FiledRun {
     SimulationOptions launches;
     launches.seconds = launch_seconds(options_.checkpoint, options_.most_wall);
     Simulation simulation(launches);
-    simulation.run({&way_}, [&] {
+    simulation.run({&scene_run_}, [&] {
       show_progress();
-      if (way_.over()) return;
+      if (scene_run_.over()) return;
       if (seconds_since(begun_) >= options_.most_wall) {
         simulation.stop();
         out_of_time_ = true;
@@ -131,7 +131,8 @@ class FiledRun {
       if (take_checkpoint_request() || !simulation.goes_on() ||
           files_.since_checkpoint() >= options_.checkpoint)
         files_.keep(
-            way_, simulation.save(way_), wall(), [&] { return summary_of(report()); }, &watch_);
+            scene_run_, simulation.save(scene_run_), wall(), [&] { return summary_of(report()); },
+            &watch_);
     });
     memory_ = simulation.memory();
   }
@@ -154,7 +155,7 @@ class FiledRun {
  private:
   double wall() const { return wall_before_ + seconds_since(begun_); }
   RunReport report() const {
-    RunReport report = report_on(way_, mean_squares_.get());
+    RunReport report = report_on(scene_run_, mean_squares_.get());
     report.wall_seconds = wall();
     report.memory = memory_;
     return report;
@@ -163,7 +164,7 @@ class FiledRun {
   void show_progress() {
     if (!options_.progress || seconds_since(shown_) <= 0.2) return;
     shown_ = Clock::now();
-    options_.progress(progress_of(way_, first_step_, seconds_since(begun_)));
+    options_.progress(progress_of(scene_run_, first_step_, seconds_since(begun_)));
   }
 
   const RunOptions& options_;
@@ -172,14 +173,14 @@ class FiledRun {
   double wall_before_;  // s, of what it goes on from
   bool out_of_time_ = false;
   RunWatch watch_;
-  SceneRun way_;
+  SceneRun scene_run_;
   std::size_t memory_ = 0;
-  std::int64_t first_step_ = way_.accounts().now.step;
+  std::int64_t first_step_ = scene_run_.accounts().now.step;
   Clock::time_point begun_ = Clock::now(), shown_ = begun_;
 };
 
-/// None where there is none. Throws FileError where all that there is is damaged, and RequestError
-/// where it is of another run.
+/// Empty if there is no checkpoint. Throws FileError if every checkpoint is damaged, RequestError
+/// if it is that of another run.
 std::optional<Checkpoint> checkpoint_to_go_on_from(
     RunFiles& files, const Model& model, bool force,
     const std::function<void(const std::string&)>& tell) {
@@ -212,7 +213,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
 
   const std::string key = run_key(model);
   RunFiles files(options.output, key);
-  require_names_beside(names_beside(options.output), files_of(scene));
+  require_output_names(output_names(options.output), files_of(scene));
   files.claim();
   ResultHeader header = result_header(model, key);
   header.beyond_limit = beyond_limit;
@@ -252,7 +253,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     throw FileError(fault.what() +
                     std::string(files.can_go_on()
                                     ? ". What was recorded up to the last checkpoint is kept: the "
-                                      "same line goes on from there"
+                                      "same command continues from there"
                                     : ""));
   } catch (const std::invalid_argument& fault) {
     if (!goes_on) throw;

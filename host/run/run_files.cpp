@@ -45,7 +45,7 @@ void RunFiles::record(ResultHeader header, const std::optional<Checkpoint>& befo
     header.segment = start_after(before->accounts.now);
     segments = before->segments;
   }
-  recording_.emplace(names_beside(output_), header, std::move(segments));
+  recording_.emplace(output_names(output_), header, std::move(segments));
   sink_.emplace(*recording_);
 }
 

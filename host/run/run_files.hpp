@@ -11,7 +11,7 @@
 #include "host/run/checkpoint.hpp"
 #include "host/run/file_sink.hpp"
 #include "host/run/simulation.hpp"
-#include "host/store/beside.hpp"
+#include "host/store/output_names.hpp"
 #include "host/store/recording.hpp"
 
 /// The files of a run while it goes on: checkpoints, and its recorded data where that is kept.

@@ -27,10 +27,10 @@ Json shocks_json(const RunReport& r) {
 }
 
 Json energy_json(const EnergyBalance& energy) {
-  const bool is_known = energy.samples >= 2;
+  const bool is_defined = energy.samples >= 2;
   return {{"closure", energy.closure()},
-          {"residual", is_known ? energy.residual : quiet_nan},
-          {"turnover", is_known ? energy.turnover : quiet_nan}};
+          {"residual", is_defined ? energy.residual : quiet_nan},
+          {"turnover", is_defined ? energy.turnover : quiet_nan}};
 }
 
 Json mesh_json(const MeshTone& mesh) {

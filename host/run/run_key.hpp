@@ -10,7 +10,8 @@ namespace ra2d {
 /// To be raised with every change of the bits of an answer on purpose (CONTRIBUTING.md).
 inline constexpr int numerics_version = 2;
 
-/// As that, but of the scenes alone whose bits changed.
+/// numerics_version of a scene: higher for the kinds of scenes whose bits changed when those of the
+/// others did not.
 int numerics_version_of(const Scene& scene);
 
 /// XXH3-128, as 32 hexadecimal digits, of the scene with all its keys, of both bodies' heights, of

@@ -39,22 +39,22 @@ RunWatch::RunWatch(const Model& model, Sink* next)
 }
 
 void RunWatch::take(const SampleBlock& samples) {
-  look_at(samples);
+  add(samples);
   if (next_ != nullptr) next_->take(samples);
 }
 
 void RunWatch::take(const std::vector<Shock>& shocks) {
-  look_at(shocks);
+  add(shocks);
   if (next_ != nullptr) next_->take(shocks);
 }
 
-void RunWatch::look_at(const SampleBlock& samples) {
+void RunWatch::add(const SampleBlock& samples) {
   parts_.add_rows(first_ + samples_, samples.resonator_velocity);
   tone_.add_rows(first_ + samples_, samples.resonator_velocity);
   samples_ += samples.time.size();
 }
 
-void RunWatch::look_at(const std::vector<Shock>& shocks) {
+void RunWatch::add(const std::vector<Shock>& shocks) {
   for (const Shock& shock : shocks) parts_.add_shock(shock.start);
 }
 

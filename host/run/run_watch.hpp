@@ -33,8 +33,8 @@ class RunWatch : public Sink {
   void add_to(RunReport& report, const std::vector<double>& mean_squares) const;
 
  private:
-  void look_at(const SampleBlock& samples);
-  void look_at(const std::vector<Shock>& shocks);
+  void add(const SampleBlock& samples);
+  void add(const std::vector<Shock>& shocks);
 
   Sink* next_;
   std::uint64_t first_;              // sample of the run that is kept

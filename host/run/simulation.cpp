@@ -194,14 +194,14 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
   std::vector<std::int64_t> targets(scenes_.size(), 0);
   for (goes_on_ = interruption() == 0; goes_on_;) {
     filler.fill_empty(too_large);
-    const std::size_t on_their_way = filler.filled();
-    if (on_their_way == 0) return;
-    most_at_once_ = std::max(most_at_once_, on_their_way);
+    const std::size_t running = filler.filled();
+    if (running == 0) return;
+    most_at_once_ = std::max(most_at_once_, running);
     memory_ = std::max(memory_, batch.bytes());
     // on a CPU they share the threads
     const double wanted =
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
-                                                            static_cast<double>(on_their_way)));
+                                                            static_cast<double>(running)));
     for (std::size_t i = 0; i < scenes_.size(); ++i)
       targets[i] = scenes_[i] != nullptr ? scenes_[i]->target(options_.ticks) : 0;
     const Clock::time_point begin = Clock::now();

@@ -36,7 +36,8 @@ struct RunLimits {
   std::int64_t shocks = std::numeric_limits<std::int64_t>::max();  // begun
 };
 
-/// The running sums of a scene. With the state of the march they are all that a saved run needs.
+/// The running sums of a scene. With the state of the march, and what RunWatch has seen, they are
+/// all that a saved run needs.
 struct Accounts {
   std::int64_t samples = 0;        // taken so far
   Snapshot begin, now;             // where statistics begin (output.from); after the latest launch

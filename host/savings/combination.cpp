@@ -11,8 +11,8 @@
 namespace ra2d {
 namespace {
 
-/// Gives up the least valuable saving. The smaller one of its kind before it takes its place, if
-/// that would do alone. Of equals the last one is given up.
+/// Drops the least valuable saving, of equals the last. The next smaller one of that kind replaces
+/// it if it is accurate enough alone.
 void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
   const auto gain = [](const Trial* t) { return std::isnan(t->cheaper) ? 1.0 : t->cheaper; };
   auto least = taken.begin();
@@ -20,7 +20,7 @@ void give_up_least(std::vector<Trial>& trials, std::vector<Trial*>& taken) {
     if (gain(*it) <= gain(*least)) least = it;
   Trial* given_up = *least;
   given_up->taken = false;
-  given_up->why = "given up: with the others it moves too much, or that stays open";
+  given_up->why = "dropped: combined with the others the error is too large, or undecided";
   Trial* before = nullptr;
   for (Trial& other : trials) {
     if (&other == given_up) break;

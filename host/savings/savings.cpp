@@ -46,19 +46,19 @@ void keep_no_dearer(SavingsSearch& search) {
   Savings& out = search.out;
   if (!(out.cost_chosen > out.cost_written)) return;
   if (const Trial* own = faces_as_written(out); own != nullptr && own->verdict == Verdict::moved) {
-    out.notes.push_back(
-        fmt::format("the faces as written do not hold what was asked: what does takes {:.3g} times "
-                    "as long",
-                    out.cost_chosen / out.cost_written));
+    out.notes.push_back(fmt::format(
+        "the scene's faces are not accurate enough; those that are take {:.3g} times as "
+        "long",
+        out.cost_chosen / out.cost_written));
     return;
   }
   if (echo(out.chosen) == echo(out.written)) {  // timed twice
     out.cost_chosen = out.cost_written;
     return;
   }
-  out.notes.push_back(
-      fmt::format("what would do takes {:.3g} times as long as the scene as written, which is kept",
-                  out.cost_chosen / out.cost_written));
+  out.notes.push_back(fmt::format(
+      "what is accurate enough takes {:.3g} times as long as the scene as written, which is kept",
+      out.cost_chosen / out.cost_written));
   out.chosen = out.written;
   out.cost_chosen = out.cost_written;
   for (std::vector<Trial>* trials : {&out.trials, &out.combinations})
@@ -72,7 +72,7 @@ Savings find_savings(const Scene& scene, const SavingsOptions& options) {
   set_reference(search);
   find_base(search, base_end);
   check_faces(search, written_end);
-  look_beyond(search, beyond_end);
+  compare_with_larger_models(search, beyond_end);
   find_faces(search, faces_end);
   find_modes(search, &Scene::resonator, modes_end);
   find_modes(search, &Scene::slider, slider_end);

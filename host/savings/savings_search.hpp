@@ -21,7 +21,7 @@ struct SavingsSearch {
   double spent() const;
   /// Seconds until that share is `end`.
   double left(double end) const { return (end - spent()) * options.budget; }
-  /// When a part that may go on until `end` leaves the rest of its time to `parts` more like it.
+  /// Share of the budget at which a part must stop, so that `parts` more get as much until `end`.
   double next_end(double end, double parts) const;
   void say(const std::string& text) const;
   /// A scene as it is run here: as long as all of them, and without what only files need.

@@ -43,9 +43,9 @@ std::string verdict_text(const Trial& trial) {
     return trial.verdict == Verdict::kept    ? "the same"
            : trial.verdict == Verdict::moved ? "differs"
                                              : "open";
-  if (trial.taken) return trial.by_balance ? "taken, by its energy" : "taken";
-  if (trial.by_balance) return "would do, by its energy";
-  return trial.verdict == Verdict::kept    ? "would do"
+  if (trial.taken) return trial.by_balance ? "taken, by its energy balance" : "taken";
+  if (trial.by_balance) return "accurate enough, by its energy balance";
+  return trial.verdict == Verdict::kept    ? "accurate enough"
          : trial.verdict == Verdict::moved ? "no"
                                            : "open";
 }
@@ -67,7 +67,8 @@ std::string row(const Trial& trial, int digits, bool costs) {
   if (!trial.why.empty()) text += fmt::format("      {}\n", trial.why);
   if (trial.by_balance && trial.taken)
     text += fmt::format(
-        "      taken although chance leaves it open: the energy closes to {:.1e}, and the first\n"
+        "      accepted on its energy balance, too few pairs to decide: off by {:.1e}, and the "
+        "first\n"
         "      shocks, before chaos parts the runs, last as long within {} %\n",
         trial.energy_closure, percent(trial.first, digits));
   return text;
@@ -144,7 +145,7 @@ std::string describe_reference(const Savings& s) {
       "accuracy   level, rate of shocks and their median duration within {:g} % (level: {:.2g} "
       "dB)\n",
       100 * s.accuracy, decibels(s.accuracy));
-  text += fmt::format("reference  {}, {}; its energy closes to {:.1e}\n", reference_text(s),
+  text += fmt::format("reference  {}, {}; its energy balance is off by {:.1e}\n", reference_text(s),
                       choice_text(s.reference), s.energy_closure);
   text += s.runs > 1 ? fmt::format("runs       {} of {}, {}; compared in pairs of the same\n",
                                    s.runs, seconds_text(s.duration), varied(s.written))
@@ -305,7 +306,8 @@ std::string planned_scene(const Savings& s) {
           return fmt::format(
               "# alone it moves {}{}", movement_text(trial, s.accuracy),
               trial.by_balance
-                  ? fmt::format("; taken because its energy closes to {:.1e}", trial.energy_closure)
+                  ? fmt::format("; taken because its energy balance is off by only {:.1e}",
+                                trial.energy_closure)
                   : "");
       return {};
     };

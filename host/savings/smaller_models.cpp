@@ -60,7 +60,7 @@ void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end) {
   if (best) search.out.trials[*best].taken = true;
 }
 
-void look_beyond(SavingsSearch& search, double until) {
+void compare_with_larger_models(SavingsSearch& search, double until) {
   std::vector<Trial> list;
   const Scene& from = search.base->scene();
   const double spacing = search.whole.spacing / 2;

@@ -9,6 +9,6 @@ namespace ra2d {
 void find_modes(SavingsSearch& search, BodySpec Scene::*body, double end);
 
 /// How the scene stands: its own numerics, more modes, a finer spacing. Until `end`.
-void look_beyond(SavingsSearch& search, double end);
+void compare_with_larger_models(SavingsSearch& search, double end);
 
 }  // namespace ra2d

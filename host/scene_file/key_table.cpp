@@ -190,7 +190,7 @@ void check_body_keys(Reader& in, const BodySpec& body, bool is_certain) {
 void check_surface_keys(Reader& in, const SurfaceSpec& surface, bool) {
   if (!is<SurfaceKind::gaussian>(surface)) return;
   if (surface.exact == Exactly::rq_and_rsm && !in.has("rsm"))
-    in.fault("exact", "\"rq+rsm\", and there is no `rsm` to be exact");
+    in.fault("exact", "\"rq+rsm\" needs `rsm`");
   if (surface.correlation != Correlation::self_affine)
     return in.one_of("rsm", "correlation_length");
   if (!in.has("hurst"))
@@ -274,8 +274,8 @@ std::vector<Key<S>> file_keys() {
        "of a map: where on the body it begins", file},
       {"offset_y", prepared(number(&F::offset_y, any_number, "m")),
        may_stand<S>("on the resonator `scene.side`, else 0"), "the same across", file},
-      {"decimal", prepared(choice(&F::decimal, file_decimals)), may_stand<S>("what the file tells"),
-       "where a text leaves open what a comma is", file},
+      {"decimal", prepared(choice(&F::decimal, file_decimals)), may_stand<S>("from the file"),
+       "the decimal mark, where a text is ambiguous", file},
       {"row", prepared(integer(&F::row, 1, most_profiles)), may_stand<S>(),
        "which profile of an areal file is meant", file},
       {"column", prepared(integer(&F::column, 1, most_profiles)), may_stand<S>(),

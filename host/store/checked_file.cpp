@@ -17,7 +17,7 @@
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/table.hpp"
-#include "host/system/asked_child.hpp"
+#include "host/system/child_answer.hpp"
 
 namespace ra2d {
 namespace {

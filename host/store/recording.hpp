@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "host/result/record.hpp"
-#include "host/store/beside.hpp"
+#include "host/store/output_names.hpp"
 #include "host/store/store.hpp"
 #include "host/system/input_file.hpp"
 

@@ -18,7 +18,7 @@
 
 #include "host/base/text.hpp"
 #include "host/store/seal.hpp"
-#include "host/system/asked_child.hpp"
+#include "host/system/child_answer.hpp"
 #include "host/system/input_file.hpp"
 
 // HDF5 reads files through drivers: tables of functions that it calls. This one reads SealedBytes.

@@ -50,7 +50,7 @@ std::vector<CoefficientError> clustered_errors(const Eigen::MatrixXd& x,
   for (std::size_t c = 0; c < clusters; ++c) {
     const SymmetricEigen part = symmetric_eigen(root * gram[c] * root);
     const Vector taken = part.values.cwiseMax(0.0);
-    // a direction that this cluster alone tells of leaves no residuals
+    // if this cluster alone determines a direction, its residual there is zero
     const Vector inverse = (1 - taken.array() > 1e-9).select((1 - taken.array()).inverse(), 0.0);
     const Matrix& directions = part.vectors;
     const Vector off = root * (directions * (inverse.cwiseSqrt().asDiagonal() *

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "host/study/study_table.hpp"
 
 /// The law of a study's runs: an amplitude as a product of powers of the varied numbers.

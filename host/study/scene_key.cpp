@@ -46,7 +46,7 @@ std::string key_text(const Key128& key) { return fmt::format("{:016x}{:016x}", k
 
 const std::string& FileHashes::of(const std::filesystem::path& file) {
   const std::lock_guard lock(mutex_);  // also while it is read: the others want the same file
-  const auto [found, is_new] = known_.try_emplace(file);
+  const auto [found, is_new] = hashes_.try_emplace(file);
   if (!is_new) return found->second;
   try {
     const InputFile in(file, "the profile");
@@ -57,14 +57,14 @@ const std::string& FileHashes::of(const std::filesystem::path& file) {
       hash.add(std::string_view(part.data(), count));
     return found->second = hash.text();
   } catch (...) {
-    known_.erase(found);
+    hashes_.erase(found);
     throw;
   }
 }
 
 std::vector<std::filesystem::path> FileHashes::names() const {
   std::vector<std::filesystem::path> names;
-  for (const auto& [file, hash] : known_) names.push_back(file);
+  for (const auto& [file, hash] : hashes_) names.push_back(file);
   return names;
 }
 

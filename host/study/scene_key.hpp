@@ -33,7 +33,7 @@ class FileHashes {
 
  private:
   std::mutex mutex_;
-  std::map<std::filesystem::path, std::string> known_;
+  std::map<std::filesystem::path, std::string> hashes_;
 };
 
 /// XXH3-128 of all that decides the bits of a run: the scene with the keys that it uses, the

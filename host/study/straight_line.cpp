@@ -9,7 +9,7 @@
 #include <map>
 
 #include "host/analysis/distributions.hpp"
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "host/base/decompositions.hpp"
 #include "host/study/clusters.hpp"
 

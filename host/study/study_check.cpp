@@ -36,9 +36,9 @@ std::size_t check_table(const StudyFolder& folder, const StudyPoints& points,
                     table.status.size(), points.size()));
     return 0;
   }
-  std::size_t behind = 0, known = 0;
-  for (const Key128& key : census.keys) known += finished.find(key) != nullptr;
-  if (known == 0 && !finished.runs.empty())
+  std::size_t behind = 0, finished_here = 0;
+  for (const Key128& key : census.keys) finished_here += finished.find(key) != nullptr;
+  if (finished_here == 0 && !finished.runs.empty())
     return 0;  // all of another version: check_study says so
   for (std::size_t point = 0; point < points.size(); ++point) {
     const FinishedRun* run = finished.find(census.keys[point]);

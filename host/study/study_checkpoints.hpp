@@ -14,8 +14,8 @@
 #include "host/study/study_folder.hpp"
 
 /// Checkpoints of a study's runs on their way: DIR/runs/KEY.h5.checkpoint, and beside it what
-/// host/store/beside.hpp names, also where results are not kept. A run that is over before its
-/// first checkpoint costs nothing here.
+/// host/store/output_names.hpp names, also where results are not kept. A run that is over before
+/// its first checkpoint costs nothing here.
 namespace ra2d {
 
 class StudyCheckpoints {

@@ -51,7 +51,7 @@ constexpr Column columns[] = {
      &Study::keep_shocks},
     {"contact_share", "1", "share of the time with a node in contact", &RunFigures::contact_share,
      nullptr},
-    {"energy_closure", "1", "energy that is unaccounted for, of what went through",
+    {"energy_closure", "1", "residual of the energy balance, over its largest term",
      &RunFigures::energy_closure, nullptr},
     {"wall_seconds", "s", "time that the run took of its thread", &RunFigures::wall_seconds,
      nullptr},

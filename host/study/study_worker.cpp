@@ -46,7 +46,7 @@ constexpr int slots_of_a_gpu =
     4096;  // several times what it marches at a moment; memory may be for fewer
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
-constexpr std::size_t most_failures_told = 10;
+constexpr std::size_t most_failures_reported = 10;
 constexpr const char* no_memory =
     "out of memory: fewer nodes or modes are needed (see 'ra2d plan')";
 
@@ -94,20 +94,20 @@ class SharedMeanSquares {
                   static_cast<double>(model.resonator.modes.size())};
     {
       const std::lock_guard lock(mutex_);
-      for (const auto& [known, values] : known_)
-        if (known == key) return values;
+      for (const auto& [recent, values] : recent_)
+        if (recent == key) return values;
     }
     const std::vector<double> values = mean_squares(model);
     const std::lock_guard lock(mutex_);
-    known_.emplace_front(key, values);
-    if (known_.size() > 64) known_.pop_back();
+    recent_.emplace_front(key, values);
+    if (recent_.size() > 64) recent_.pop_back();
     return values;
   }
 
  private:
   using Key = std::array<double, 5>;  // all that the shapes of modes and their places depend on
   std::mutex mutex_;
-  std::list<std::pair<Key, std::vector<double>>> known_;
+  std::list<std::pair<Key, std::vector<double>>> recent_;
 };
 
 /// Calls `tick` until it is destroyed, on a thread of its own; keeps what it throws.
@@ -197,8 +197,8 @@ class Worker {
         std::clamp(static_cast<double>(available_memory()) / census_.most_memory, 1.0, 1e6));
   }
 
-  /// Two crews: what one has recorded leaves, and its slots are filled, by all threads of the host,
-  /// while the other's runs are marched.
+  /// Two crews of slots: the host drains and refills one with all its threads while the GPU marches
+  /// the runs of the other.
   void march_on_a_gpu(int jobs) {
     const int crews = std::min(2, jobs);
     const BatchOptions batch{.capacity = capacity_on_a_gpu,
@@ -224,7 +224,7 @@ class Worker {
       simulation.run([&](std::size_t) { return make(crew); },
                      [&](SceneRun& run) { take(static_cast<PointRun&>(run)); },
                      [&] {
-                       look_up(crew);
+                       update_progress(crew);
                        if (out_of_time()) simulation.stop();
                        if (take_checkpoint_request()) ++checkpoint_requests_;
                        const int requests = checkpoint_requests_;
@@ -311,9 +311,9 @@ class Worker {
                                           seconds_since(begin), std::move(files), keeps_result);
     if (before) run->go_on(std::move(before->state), std::move(before->accounts));
     const std::lock_guard lock(mutex_);
-    SceneRun* const way = run.get();
-    running_.emplace(way, Running{crew, 0, std::move(run)});
-    return way;
+    SceneRun* const scene_run = run.get();
+    running_.emplace(scene_run, Running{crew, 0, std::move(run)});
+    return scene_run;
   }
 
   RunReport report_of(const PointRun& run) {
@@ -385,7 +385,7 @@ class Worker {
       return;
     }
     ++outcome_.failed;
-    if (outcome_.failures.size() < most_failures_told)
+    if (outcome_.failures.size() < most_failures_reported)
       outcome_.failures.emplace_back(std::move(finished.point), std::move(finished.message));
   }
 
@@ -402,7 +402,7 @@ class Worker {
     std::vector<PointRun*> due;
     {
       const std::lock_guard lock(mutex_);
-      for (auto& [way, running] : running_)
+      for (auto& [scene_run, running] : running_)
         if (running.crew == crew && simulation.holds(*running.run) &&
             (all || options_.checkpoints->is_due(*running.run->files)))
           due.push_back(running.run.get());
@@ -417,12 +417,12 @@ class Worker {
   }
 
   /// Between the launches of a crew, while its runs stand still.
-  void look_up(int crew) {
+  void update_progress(int crew) {
     if (given_up_) throw GivenUp();
     clerk_->rethrow();
     if (!options_.progress) return;
     const std::lock_guard lock(mutex_);
-    for (auto& [way, running] : running_)
+    for (auto& [scene_run, running] : running_)
       if (running.crew == crew)
         running.share = running.run->time() / running.run->model().scene.duration;
     if (seconds_since(shown_) < progress_time) return;
@@ -434,7 +434,7 @@ class Worker {
     now.running = running_.size();
     now.elapsed = seconds_since(begun_);
     double estimate = left_[std::min(next_.load(), work_.jobs.size())];
-    for (const auto& [way, running] : running_)
+    for (const auto& [scene_run, running] : running_)
       estimate += static_cast<double>(census_.costs[running.run->point]) * (1 - running.share);
     const double spent = left_[0] - estimate;
     // by what this study's estimates have come to so far, runs on their way among them

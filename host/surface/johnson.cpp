@@ -43,16 +43,16 @@ HeightMoments height_moments(const Function& function) {
     value[i] = function(normal().at[i]);
     s.mean += normal().weight[i] * value[i];
   }
-  double second = 0, third = 0, fourth = 0;
+  double second_moment = 0, third_moment = 0, fourth_moment = 0;
   for (int i = 0; i < Normal::points; ++i) {
     const double away = value[i] - s.mean, square = away * away;
     second += normal().weight[i] * square;
     third += normal().weight[i] * square * away;
-    fourth += normal().weight[i] * square * square;
+    fourth_moment += normal().weight[i] * square * square;
   }
   s.spread = std::sqrt(second);
   s.skewness = third / (second * s.spread);
-  s.kurtosis = fourth / (second * second);
+  s.kurtosis = fourth_moment / (second_moment * second_moment);
   return s;
 }
 

@@ -22,6 +22,11 @@ namespace ra2d {
 /// The record of the motion itself: samples at their own times, sums and shocks integrated over the
 /// series. Nothing of it depends on where a launch ends: when the samples of a step do not fit into
 /// their buffer, the step is done again in the next launch.
+///
+/// From a contact force to the energies of the file: the overlaps' series give the forces of a
+/// step. add_drive and add_contact integrate their works and impulses into RunningSums and the
+/// shocks, write_sample puts the sums and the springs' energy into the columns of a sample; the
+/// rest is as with fixed steps (kernels/fixed/fixed_recorder.hpp).
 template <class Lanes, int packs>
 class AdaptiveRecorder {
   using Real = typename Lanes::Real;

@@ -18,8 +18,8 @@ struct MotionBounds {
   double fourth_derivative;  // m/s^4: of an overlap at a node, whose place moves
   double cubic_remainder;    // m: what the cubics over a patch leave out of a displacement
   double size;               // m: sum max|psi| |U|
-  /// Of a displacement [m]. Twice what one sum over most_modes reaches: what it is compared with is
-  /// one, too.
+  /// Bound on the rounding of a displacement [m]: twice that of one sum over most_modes, because it
+  /// is compared with another such sum.
   KOKKOS_FORCEINLINE_FUNCTION double rounding() const { return 256 * 0x1p-52 * size; }
 };
 

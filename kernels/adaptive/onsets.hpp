@@ -75,7 +75,7 @@ struct PolynomialMotion {
                               double spacing) const {
     const Real at(most);
     const double first = most_slide_rate() * spacing, second = change_of_slide_rate() * spacing;
-    Real travel(0.0), still(0.0), moving(0.0), fourth(0.0);
+    Real travel(0.0), still(0.0), moving(0.0), fourth_derivative(0.0);
     for (int p = 0; p < packs; ++p) {
       Real d0(0.0), d1(0.0), d2(0.0), d4(0.0);  // of |c_j| x^j
       for (int j = order; j >= 1; --j) {
@@ -92,17 +92,17 @@ struct PolynomialMotion {
       const Real size = d0 + Kokkos::abs(load_row(lanes, 0, p));
       travel = multiply_add(shape, d0, travel);
       still = multiply_add(shape, d2, still);
-      fourth = multiply_add(shape, d4, fourth);
+      fourth_derivative = multiply_add(shape, d4, fourth_derivative);
       moving = multiply_add(Real(first) * rise, multiply_add(Real(2.0), d1, d2 * at), moving);
       moving = multiply_add(Real(first * first) * curve, size, moving);
       moving = multiply_add(Real(second) * rise, size, moving);
     }
-    double of_travel, of_still, of_moving, of_fourth;
+    double of_travel, of_still, of_moving, of_fourth_derivative;
     lanes.sum(travel, still, of_travel, of_still);
-    lanes.sum(moving, fourth, of_moving, of_fourth);
+    lanes.sum(moving, fourth_derivative, of_moving, of_fourth_derivative);
     const double square = most * most;
     return {of_travel, of_still + of_moving,
-            square * (square * of_fourth / 384.0 + of_moving / 3.0)};
+            square * (square * of_fourth_derivative / 384.0 + of_moving / 3.0)};
   }
 };
 

@@ -31,8 +31,8 @@ namespace ra2d {
 ///                comes to zero (kernels/adaptive/crossing.hpp).
 ///
 /// Areal scenes have many candidate groups, of which few come near contact within a step. There
-/// evaluate finds those alone whose overlap, as it was when it was last found, and what it may have
-/// risen by since, could reach contact within the step (select). No other could be flagged.
+/// evaluate skips a group whose last overlap plus its largest rise since then, and within the step,
+/// stays below contact (select): no node of it could be flagged.
 ///
 /// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
 /// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
@@ -102,7 +102,7 @@ class Overlaps {
         time < 1e30 ? time * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, now.v) : 0.0;
     candidates_.find(now.u, place, 1.5 * rise + 0.5 * expected + bounds_.least_range,
                      bounds.rounding(), 0.0);
-    start_is_known_ = false;
+    start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
       begin_anew(false);
   }
@@ -126,8 +126,8 @@ class Overlaps {
   }
   /// Finds overlaps and rates at the beginning of the step, unless they are known.
   RA2D_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
-    if ((!start_is_known_ || is_selective_) && groups() > 0) evaluate(place, now.u, now.v, start_);
-    start_is_known_ = true;
+    if ((!start_is_valid_ || is_selective_) && groups() > 0) evaluate(place, now.u, now.v, start_);
+    start_is_valid_ = true;
   }
   /// Finds overlaps and rates at the end of the step.
   RA2D_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
@@ -143,13 +143,13 @@ class Overlaps {
       rise_by_step(true);
   }
   RA2D_FUNCTION void discard_start() {
-    start_is_known_ = false;
+    start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
       rise_by_step(false);
   }
   /// As discard_start(), after a step for which no groups were selected.
   RA2D_FUNCTION void forget_start() {
-    start_is_known_ = false;
+    start_is_valid_ = false;
     if (!is_selective_) [[likely]]
       return;
     begin_anew(true);
@@ -418,7 +418,7 @@ class Overlaps {
   CandidateGroups<Lanes, packs> candidates_;
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
-  bool start_is_known_ = false;  // `start_` is of the present state and candidate groups
+  bool start_is_valid_ = false;  // `start_` is of the present state and candidate groups
   // areal scenes: an overlap is at most CandidateLists::highest + risen_
   bool is_selective_;
   int selected_ = 0;
@@ -461,7 +461,8 @@ class Overlaps {
   KOKKOS_FORCEINLINE_FUNCTION double highest_start(const MotionBounds& bounds, double rise) const {
     return -(rise - overlap_error(bounds));
   }
-  /// No overlap at the step's beginning is known in full, or (`anything`) at all.
+  /// Forgets the overlaps at the beginning of the step; with `anything` also the bounds on them
+  /// that `select` uses.
   RA2D_FUNCTION void begin_anew(bool anything) {
     const int all = candidates_.count();
     risen_ = 0.0;
@@ -473,12 +474,12 @@ class Overlaps {
       }
     lanes_.sync();
   }
-  /// After a step: what its groups may have risen by. `end_is_known`: the overlaps at its end are
+  /// After a step: what its groups may have risen by. `end_is_valid`: the overlaps at its end are
   /// those at the beginning of the next.
-  RA2D_FUNCTION void rise_by_step(bool end_is_known) {
+  RA2D_FUNCTION void rise_by_step(bool end_is_valid) {
     ++steps_;
     risen_ += rise_ * (1.0 + 0x1p-40);
-    if (!end_is_known) return;
+    if (!end_is_valid) return;
     lanes_.sync();
     for (int i = 0; i < selected_; ++i) {
       const int e = search_.selected[i];
@@ -490,8 +491,8 @@ class Overlaps {
     lanes_.sync();
   }
 
-  /// Error of an evaluated overlap [m]. Of the roundings one is of the value, up to a third of one
-  /// is of the rate over the step, and one is of the series that is searched.
+  /// Error of an evaluated overlap [m]. Roundings: one of the value, up to a third of one of the
+  /// rate over the step, one of the series that is searched.
   KOKKOS_FORCEINLINE_FUNCTION double overlap_error(const MotionBounds& bounds) const {
     return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * faces_.rounding;
   }

@@ -130,10 +130,11 @@ class ModalSeries {
   /// m, of an overlap.
   KOKKOS_FORCEINLINE_FUNCTION double neglected() const { return neglected_; }
 
-  /// How far the series may be used for a local error of `tolerance`, relative, in x. The last two
-  /// terms stand for the error: what follows them is smaller by the ratio of neighbours, so the
-  /// step is on the safe side. Errors and state are measured in the energy norm, sum m (V^2 +
-  /// omega^2 U^2) and the springs'.
+  /// How far the series may be used for a local error of `tolerance`, relative, in x: the smaller
+  /// of (tolerance |state|/|c_j|)^(1/(j - 1)) for the last two orders j. Their terms stand for the
+  /// error: those that follow are smaller by the ratio of neighbours, so the step is on the safe
+  /// side. Errors and state are measured in the energy norm, whose square is sum m (V^2 +
+  /// omega^2 U^2) and the energy of the springs.
   RA2D_FUNCTION double usable_length(double tolerance) const {
     const int order = adaptive_.order;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);

@@ -145,35 +145,43 @@ class SmoothDrive {
           next = Kokkos::max(next, control_.series_scale);
         return keep(now, tick, place, ticks, onset, first, next, start);
       }
-      // where a contact begins or ends within the step, the next try is to end there: but not far
-      // sooner than the error control asks for, since a motion so far off may be wrong about it
       const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course)) : 0.2;
-      double share = 2.0;
-      Pace then = pace == Pace::to_release ? Pace::even : pace;
-      if (onset) share = pace_share(pace, first);
-      if (released <= 1.0 && pace_share(pace, released) < share) {
-        share = pace_share(pace, released);
-        if (pace != Pace::from_onset) then = Pace::to_release;
-      }
-      if (share < 0.2 * factor) {
-        share = 0.2 * factor;
-        if (then == Pace::to_release) then = Pace::even;
-      }
-      const double whole = static_cast<double>(ticks);
-      std::int64_t shorter = static_cast<std::int64_t>(Kokkos::ceil(share * whole));
-      cut = share < 0.9999 && shorter < ticks;
-      if (!cut) {
-        shorter = static_cast<std::int64_t>(factor * whole);
-        if (pace == Pace::to_release) then = Pace::even;
-      }
-      if (shorter >= ticks) shorter = ticks - 1;
-      if (shorter < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
-      ticks = shorter;
-      pace = then;
+      cut = shorten(ticks, pace, factor, onset ? first : 3.0, released);
+      if (ticks < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
     }
   }
 
  private:
+  /// The next try of a step whose error was too large: `factor` times as long or, where a contact
+  /// begins at `first` or ends at `released` within it (beyond 1: none), up to there: but not far
+  /// sooner than the error control asks for, since a motion so far off may be wrong about it.
+  /// Whether it is shorter than the error control asks for. `ticks` becomes 0 where none is left.
+  KOKKOS_FORCEINLINE_FUNCTION static bool shorten(std::int64_t& ticks, Pace& pace, double factor,
+                                                  double first, double released) {
+    double share = 2.0;
+    Pace then = pace == Pace::to_release ? Pace::even : pace;
+    if (first <= 1.0) share = pace_share(pace, first);
+    if (released <= 1.0 && pace_share(pace, released) < share) {
+      share = pace_share(pace, released);
+      if (pace != Pace::from_onset) then = Pace::to_release;
+    }
+    if (share < 0.2 * factor) {
+      share = 0.2 * factor;
+      if (then == Pace::to_release) then = Pace::even;
+    }
+    const double whole = static_cast<double>(ticks);
+    std::int64_t shorter = static_cast<std::int64_t>(Kokkos::ceil(share * whole));
+    const bool cut = share < 0.9999 && shorter < ticks;
+    if (!cut) {
+      shorter = static_cast<std::int64_t>(factor * whole);
+      if (pace == Pace::to_release) then = Pace::even;
+    }
+    ticks = shorter < ticks ? shorter : ticks - 1;
+    if (ticks < 0) ticks = 0;
+    pace = then;
+    return cut;
+  }
+
   Lanes lanes_;
   const ModeTables& modes_;
   const SliderMotion& motion_;

@@ -133,8 +133,8 @@ class SmoothStep {
   /// holds for a smooth motion. Graded towards an onset or a release, the estimate is the geometric
   /// mean of the inferred error and that of order 5. (So chosen that the energy that such steps
   /// lose is no larger than that of the others.) Where a contact begins or ends elsewhere in the
-  /// step, nothing may be inferred, and either error may vanish by chance: then it is both
-  /// together.
+  /// step, nothing may be inferred, and either error may vanish by chance: then the estimate
+  /// combines both errors.
   enum class Course { smooth, graded, kinked };
   struct Errors {
     double fifth, third;  // over the tolerance

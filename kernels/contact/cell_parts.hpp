@@ -100,6 +100,42 @@ class CellParts {
     about[1] = multiply_add(multiply_add(Real(3.0) * c[3], x, Real(2.0) * c[2]), x, c[1]);
     about[0] = value(c, x);
   }
+  /// Where the overlap p of a part, about its middle, is largest: where its slope falls through
+  /// zero, at an end where it does not. Half of the part is `half` long.
+  KOKKOS_FORCEINLINE_FUNCTION static Real summit_of(const Real* p, const Real& half) {
+    const Real none(0.0), slant = Real(3.0) * p[3];
+    const Real inside = multiply_add(p[2], p[2], -(slant * p[1])),
+               root = Kokkos::sqrt(Kokkos::max(inside, none));
+    const Real vertex = p[1] / Kokkos::max(root - p[2], Real(1e-300)),
+               end = if_positive(p[1], half, -half);
+    return Kokkos::max(-half, Kokkos::min(half, if_positive(-inside, end, vertex)));
+  }
+  /// Stores the integrals of the contacts: the overlap is the cubic q about `summit`, the contact's
+  /// middle stands at `centre` from there and at c in the cell; h is half of its length.
+  KOKKOS_FORCEINLINE_FUNCTION void store_integrals(int first, const Real* q, const Real& centre,
+                                                   const Real& c, const Real& h) {
+    // about the middle of the contact: even powers alone are left
+    const Real h2 = h * h, length = h + h;
+    Real o[4], s[4];
+    shift(q, centre, s);
+    const Real third(1.0 / 3.0), fifth(0.2), seventh(1.0 / 7.0);
+    const Real m0 = length * multiply_add(third * h2, s[2], s[0]),
+               m1 = length * h2 * multiply_add(fifth * h2, s[3], third * s[1]),
+               m2 = length * h2 * multiply_add(fifth * h2, s[2], third * s[0]),
+               m3 = length * h2 * h2 * multiply_add(seventh * h2, s[3], fifth * s[1]);
+    store(result, first, m0);
+    store(result + 1, first, multiply_add(c, m0, m1));
+    store(result + 2, first, multiply_add(c, multiply_add(c, m0, m1 + m1), m2));
+    store(
+        result + 3, first,
+        multiply_add(c, multiply_add(c, multiply_add(c, m0, Real(3.0) * m1), Real(3.0) * m2), m3));
+    store(result + 4, first,
+          multiply_add(s[3], m3, multiply_add(s[2], m2, multiply_add(s[1], m1, s[0] * m0))));
+    for (int j = 0; j < 4; ++j) o[j] = row(face + j, first);
+    shift(o, c, s);
+    store(result + 5, first,
+          multiply_add(Real(3.0) * s[3], m2, multiply_add(s[2] + s[2], m1, s[1] * m0)));
+  }
   RA2D_FUNCTION void integrate_lanes(int first) {
     Real o[4], p[4];
     for (int j = 0; j < 4; ++j) o[j] = row(overlap + j, first);
@@ -107,13 +143,8 @@ class CellParts {
     const Real middle = Real(0.5) * (left + right), half = Real(0.5) * (right - left), none(0.0),
                tiny(1e-300);
     shift(o, middle, p);
-    const Real slant = Real(3.0) * p[3];
-    const Real half_curvature = p[2] + Kokkos::abs(slant) * half;  // the largest
-    // the summit: where the slope falls through zero; at an end where it does not
-    const Real inside = multiply_add(p[2], p[2], -(slant * p[1])),
-               root = Kokkos::sqrt(Kokkos::max(inside, none));
-    const Real vertex = p[1] / Kokkos::max(root - p[2], tiny), end = if_positive(p[1], half, -half);
-    const Real summit = Kokkos::max(-half, Kokkos::min(half, if_positive(-inside, end, vertex)));
+    const Real half_curvature = p[2] + Kokkos::abs(Real(3.0) * p[3]) * half;  // the largest
+    const Real summit = summit_of(p, half);
     // from here on about the summit: so narrow contacts keep their digits
     Real q[4];
     shift(p, summit, q);
@@ -159,28 +190,8 @@ class CellParts {
       seek = Kokkos::max(seek_low, seek_high);
       if (lanes_.at_least(seek, 1.0) == 0) break;
     }
-    // about the middle of the contact: even powers alone are left
-    const Real centre = Real(0.5) * (low + high), c = (centre + summit) + middle;
-    const Real h = if_positive(closed, Real(0.5) * (high - low), none), h2 = h * h, length = h + h;
-    Real s[4];
-    shift(q, centre, s);
-    const Real third(1.0 / 3.0), fifth(0.2), seventh(1.0 / 7.0);
-    const Real m0 = length * multiply_add(third * h2, s[2], s[0]),
-               m1 = length * h2 * multiply_add(fifth * h2, s[3], third * s[1]),
-               m2 = length * h2 * multiply_add(fifth * h2, s[2], third * s[0]),
-               m3 = length * h2 * h2 * multiply_add(seventh * h2, s[3], fifth * s[1]);
-    store(result, first, m0);
-    store(result + 1, first, multiply_add(c, m0, m1));
-    store(result + 2, first, multiply_add(c, multiply_add(c, m0, m1 + m1), m2));
-    store(
-        result + 3, first,
-        multiply_add(c, multiply_add(c, multiply_add(c, m0, Real(3.0) * m1), Real(3.0) * m2), m3));
-    store(result + 4, first,
-          multiply_add(s[3], m3, multiply_add(s[2], m2, multiply_add(s[1], m1, s[0] * m0))));
-    for (int j = 0; j < 4; ++j) o[j] = row(face + j, first);
-    shift(o, c, s);
-    store(result + 5, first,
-          multiply_add(Real(3.0) * s[3], m2, multiply_add(s[2] + s[2], m1, s[1] * m0)));
+    const Real centre = Real(0.5) * (low + high), h = Real(0.5) * (high - low);
+    store_integrals(first, q, centre, (centre + summit) + middle, if_positive(closed, h, none));
     // the others
     const std::uint32_t others = lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
     lanes_.sync();

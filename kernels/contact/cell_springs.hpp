@@ -60,17 +60,11 @@ class CellSprings {
                                     double& most) const {
     constexpr int rounds = 200, halvings = 40;
     Real d[packs], w[packs], now[packs], pressing[packs], next[packs], step[packs];
-    Scene scene;
-    Real part(0.0);
+    const Scene scene = scene_of(d);
     for (int p = 0; p < packs; ++p) {
-      const Real b = lanes_.load(contact_.receptance + p * width), most_shape = largest_shape(p);
-      scene.modes += Kokkos::Experimental::popcount_builtin(lanes_.at_least(b, 1e-300));
-      part = multiply_add(b * most_shape, most_shape, part);
-      d[p] = Kokkos::sqrt(b);
       w[p] = Real(0.0);
       now[p] = u[p];
     }
-    scene.most_compliance = lanes_.sum(part);
     if (guess != nullptr)
       for (int p = 0; p < packs; ++p) {
         w[p] = (guess[p] - u[p]) / Kokkos::max(d[p], Real(1e-150));
@@ -142,6 +136,19 @@ class CellSprings {
     int modes = 0;
     double most_compliance = 0;  // m/N, of any node: sum b max psi^2
   };
+  /// Sets d to the square roots of the modes' receptances.
+  KOKKOS_FORCEINLINE_FUNCTION Scene scene_of(Real* d) const {
+    Scene scene;
+    Real part(0.0);
+    for (int p = 0; p < packs; ++p) {
+      const Real b = lanes_.load(contact_.receptance + p * width), most_shape = largest_shape(p);
+      scene.modes += Kokkos::Experimental::popcount_builtin(lanes_.at_least(b, 1e-300));
+      part = multiply_add(b * most_shape, most_shape, part);
+      d[p] = Kokkos::sqrt(b);
+    }
+    scene.most_compliance = lanes_.sum(part);
+    return scene;
+  }
   /// The contact at a state: the products of its Hessian, and a bound on the size of those
   /// that it lacks.
   struct Found {

@@ -142,7 +142,7 @@ class FixedRecorder {
                          supplied(sums_.force_work + sums_.force_part) +
                          supplied(sums_.sliding_work + sliding_part(now));
     if (lanes_.leader()) {
-      // a load takes back at the top what it gave on the way down: the most counts
+      // the work of a load rises and falls: compare with the most that was supplied so far
       if (total > energy_.most_supplied) energy_.most_supplied = total;
       energy_.latest = energy;
       energy_.limit = energy_factor * (energy_.start + energy_.most_supplied +
@@ -155,8 +155,8 @@ class FixedRecorder {
     lanes_.sync();
   }
 
-  /// Before a stretch of steps, and after it: meanwhile what changes at each of them is not in
-  /// memory.
+  /// Between begin_stretch and end_stretch the sums that change at each step are in registers;
+  /// end_stretch writes them back.
   RA2D_FUNCTION void begin_stretch() {
     stretch_ = {sums_.face_work_part, sums_.gross_face_work, sums_.contact_steps, sums_.most_nodes};
   }

@@ -14,7 +14,7 @@
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
 #include "host/analysis/distributions.hpp"
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
 

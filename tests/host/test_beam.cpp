@@ -116,7 +116,7 @@ TEST_P(Supports, EquationAndDerivativesHold) {
       const double x = beam.length * i / 40;
       const auto psi = derivatives_at(mode, x);
       EXPECT_NEAR(psi[4], std::pow(beta, 4) * psi[0], 8 * eps * std::pow(beta, 4) * largest);
-      const double factor = mode.shape->fourth_factor(h);  // lengths in units of h
+      const double factor = mode.shape->fourth_derivative_factor(h);  // lengths in units of h
       for (const int j : {0, 1})
         EXPECT_NEAR(std::pow(h, 4) * psi[j + 4], factor * psi[j],
                     8 * eps * factor * std::pow(beta, j) * largest);

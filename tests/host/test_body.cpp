@@ -134,19 +134,19 @@ TEST_P(Bodies, FourDerivativesGiveTheSeries) {
   const double unit = stretch();
   for (const BodyMode& mode : body_.modes)
     for (int place = 100; place < places - 100; place += 37) {
-      const double factor = mode.shape->fourth_factor(unit);
+      const double factor = mode.shape->fourth_derivative_factor(unit);
       std::array<double, 20> terms{};
       mode.shape->evaluate(at(place), 4, terms.data());
       for (int j = 0; j < 4; ++j) terms[j] *= std::pow(unit, j);
       for (int j = 4; j < 20; ++j) terms[j] = factor * terms[j - 4];
-      for (const double way : {-1.0, -0.4, 0.7, 1.0}) {
+      for (const double share : {-1.0, -0.4, 0.7, 1.0}) {
         double sum = 0, cubic = 0, power = 1;
         for (int j = 0; j < 20; ++j) {
           sum += terms[j] * power;
           if (j == 3) cubic = sum;
-          power *= way / (j + 1);
+          power *= share / (j + 1);
         }
-        const double psi = shape_at(mode, at(place) + way * unit);
+        const double psi = shape_at(mode, at(place) + share * unit);
         ASSERT_NEAR(sum, psi, 400 * eps * mode.shape->size());
         ASSERT_LE(std::abs(psi - cubic), mode.shape->cubic_remainder(unit).value * (1 + 1e-9) +
                                              400 * eps * mode.shape->size());

@@ -218,7 +218,7 @@ TEST(RigidModes, HaveNoWave) {
     EXPECT_EQ(shape.wave_number(), 0);
     EXPECT_EQ(shape.largest_curvature(0.1), 0);
     EXPECT_EQ(shape.growth(0.1), 1);
-    EXPECT_EQ(shape.fourth_factor(0.1), 0);
+    EXPECT_EQ(shape.fourth_derivative_factor(0.1), 0);
     EXPECT_EQ(shape.cubic_remainder(0.1).value, 0);
     EXPECT_EQ(shape.cubic_remainder(0.1).slope, 0);
   }

@@ -431,7 +431,7 @@ TEST_F(Crash, ASignalOfABatchSystemLeavesACheckpointAndTheRunGoesOn) {
   EXPECT_FALSE(fs::exists(out_)) << "it goes on";
   child.send(SIGHUP);
   EXPECT_EQ(child.wait(), 128 + SIGHUP);
-  EXPECT_THAT(child.err(), HasSubstr("The same line goes on from here"));
+  EXPECT_THAT(child.err(), HasSubstr("The same command continues from here"));
 }
 
 TEST_F(Crash, SegmentsThatSomebodyRemovesAreWrittenOnceMore) {

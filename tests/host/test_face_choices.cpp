@@ -31,7 +31,7 @@ Scene paper(std::vector<std::string> overrides = {}) {
 Plan plan_of(const Scene& scene) { return make_plan(make_model(scene), 0); }
 
 TEST(FaceErrors, OfLinearFacesAreThoseOfTheRuns) {
-  // the rate of shocks beside smooth faces of 4 um: docs/accuracy.md, "What does the mesh make?"
+  // the rate of shocks beside smooth faces of 4 um: docs/accuracy.md, "Errors of the mesh"
   struct Measured {
     const char* stiffness;
     double spacing, rate;

@@ -43,7 +43,7 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   const FailingCall& trial = GetParam();
   const Folder disk, aside;
   const fs::path folder = fs::canonical(disk.path()), out = folder / "out.h5",
-                 told = aside.path() / "told";
+                 message = aside.path() / "message";
   const std::string earlier = "an earlier result";
   std::vector<std::string> words{program(), "run"};
   words.insert(words.end(), trial.words.begin(), trial.words.end());
@@ -56,7 +56,7 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   std::vector<std::string> faulty{"env",
                                   "LD_PRELOAD=" + faulty_disk(),
                                   "FAULTY_FOLDER=" + folder.string(),
-                                  "FAULTY_TOLD=" + told.string(),
+                                  "FAULTY_TOLD=" + message.string(),
                                   fmt::format("FAULTY_ERROR={}", trial.error),
                                   "FAULTY_CALL="};
   if (trial.from_then_on) faulty.emplace_back("FAULTY_FROM_THEN_ON=1");
@@ -65,9 +65,9 @@ TEST_P(Faults, EveryCallThatFailsIsReportedOrDoesNoHarm) {
   for (int call = 1;; call += draws(1) > 1 ? 1 : trial.stride) {
     faulty[5] = fmt::format("FAULTY_CALL={}", call);
     std::ofstream(out) << earlier;
-    fs::remove(told);
+    fs::remove(message);
     const Ended run = run_program(aside.path(), faulty);
-    const bool failed = fs::exists(told);
+    const bool failed = fs::exists(message);
     const std::string what = fmt::format("call {}: {}", call, run.err);
     if (run.status == 4 && read_file(out) == earlier) {
       EXPECT_THAT(run.err, HasSubstr(std::strerror(trial.error))) << what;

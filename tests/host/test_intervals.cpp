@@ -14,9 +14,9 @@
 
 #include "host/analysis/distributions.hpp"
 #include "host/analysis/level_history.hpp"
+#include "host/analysis/means.hpp"
 #include "host/analysis/mesh_tone.hpp"
 #include "host/analysis/peaks.hpp"
-#include "host/analysis/several.hpp"
 #include "host/analysis/spectrum.hpp"
 #include "host/base/decompositions.hpp"
 #include "host/study/clusters.hpp"
@@ -364,7 +364,7 @@ struct GridOfRuns {
   std::vector<StudyAxis> axes = {
       {"speed", {0.05, 0.1, 0.2, 0.4}, {}}, {"load", {0.15, 0.6, 2.4}, {}}, {"seed", {}, {}}};
   std::mt19937_64 dice{7};
-  double own = 0.02, shift = 0.08, turn = 0.05, bend = 0, lost = 0;
+  double own = 0.02, shift = 0.08, turn = 0.05, curvature = 0, lost = 0;
   StudyAnswers answers(std::size_t seeds) {
     std::normal_distribution<double> normal;
     axes[2].numbers.resize(seeds);
@@ -378,8 +378,8 @@ struct GridOfRuns {
       for (const double load : axes[1].numbers)
         for (std::size_t s = 0; s < seeds; ++s) {
           const double v = std::log10(speed), l = std::log10(load / 0.6);
-          const double y = 1.1 * v + 0.1 * l + bend * l * l + shifts[s] + turns[s] * (v + 0.85) +
-                           own * normal(dice);
+          const double y = 1.1 * v + 0.1 * l + curvature * l * l + shifts[s] +
+                           turns[s] * (v + 0.85) + own * normal(dice);
           const bool gone = std::uniform_real_distribution<>()(dice) < lost;
           made.v_rms.push_back(gone ? std::nan("") : std::pow(10.0, y));
           made.status.push_back(gone ? 3 : 0);
@@ -418,7 +418,7 @@ TEST(StudyLaw, RaisesAFalseAlarmOverAStraightLineInOneOfTwenty) {
 
 TEST(StudyLaw, SaysWhereAnExponentBends) {
   GridOfRuns grid;
-  grid.bend = -0.08;  // slope 0.1 - 0.16 log10(load/0.6): from 0.196 to 0.004
+  grid.curvature = -0.08;  // slope 0.1 - 0.16 log10(load/0.6): from 0.196 to 0.004
   int found = 0;
   constexpr int trials = 100;
   for (int i = 0; i < trials; ++i) {
@@ -463,7 +463,7 @@ TEST(StudyLaw, AgreesWithNumpy) {
   const test::Folder folder;
   for (const double lost : {0.0, 0.05}) {
     GridOfRuns grid;
-    grid.bend = -0.08;
+    grid.curvature = -0.08;
     grid.lost = lost;
     const StudyAnswers answers = grid.answers(12);
     nlohmann::json table{{"axes", nlohmann::json::array()}, {"v_rms", answers.v_rms}};

@@ -145,8 +145,8 @@ TEST_F(Outputs, WhatWasInterruptedIsKeptAndWhatFailedIsReplaced) {
     return ra2d(words);
   };
   ASSERT_EQ(with({"--max-wall", "0.02"}).status, 5);
-  for (const char* beside : {"o.h5.checkpoint", "o.h5.checkpoint.previous", "o.h5.parts"})
-    fs::remove_all(folder_ / beside);
+  for (const char* name : {"o.h5.checkpoint", "o.h5.checkpoint.previous", "o.h5.parts"})
+    fs::remove_all(folder_ / name);
   const std::string kept = read("o.h5");
   const Ended refused = with({"--set", "scene.duration=1e-4"});
   EXPECT_EQ(refused.status, 2);

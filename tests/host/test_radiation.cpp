@@ -327,7 +327,7 @@ TEST(Pressure, DoesNotDependOnWhereTheRecordBegins) {
   EXPECT_LT(apart / peak, 1e-8);
   // before the sound has come over the least distance there is none
   const auto lead = static_cast<std::size_t>(1.5 / air.sound_speed * rate);
-  for (std::size_t n = 0; n + filter_reach < lead; ++n)
+  for (std::size_t n = 0; n + filter_half_length < lead; ++n)
     ASSERT_LT(std::abs(of_all[0][n]), 1e-9 * peak) << n;
 }
 

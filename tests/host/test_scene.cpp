@@ -527,7 +527,7 @@ const std::vector<Refused> refused_scenes{
       "two"}},
     {"NoRsmToBeExact",
      {{"rsm = 1.5e-3", "correlation_length = 1e-3, exact = \"rq+rsm\""}},
-     {"s.toml:15: resonator.surface.exact: \"rq+rsm\", and there is no `rsm` to be exact"}},
+     {"s.toml:15: resonator.surface.exact: \"rq+rsm\" needs `rsm`"}},
     {"HurstBeyondOne",
      {{"rsm = 1.5e-3", "rsm = 1.5e-3, hurst = 1"}},
      {"s.toml:15: resonator.surface.hurst: 1 is not allowed: expected a number in (0, 1)"}},

@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
-#include "host/system/asked_child.hpp"
+#include "host/system/child_answer.hpp"
 #include "host/system/crash_message.hpp"
 #include "host/system/input_file.hpp"
 #include "tests/child.hpp"

@@ -18,7 +18,7 @@
 
 #include "host/device/backend.hpp"
 #include "host/run/checkpoint.hpp"
-#include "host/store/beside.hpp"
+#include "host/store/output_names.hpp"
 #include "host/study/study_checkpoints.hpp"
 #include "tests/child.hpp"
 #include "tests/effort.hpp"
@@ -109,7 +109,7 @@ TEST_F(StudyCrash, CutThreeTimesItEqualsOneThatWasLeftAlone) {
       ASSERT_TRUE(wait_for_checkpoint(cut));
       child.send(SIGTERM);
       ASSERT_EQ(child.wait(), 128 + SIGTERM) << child.err();
-      EXPECT_THAT(child.err(), HasSubstr("the same line goes on"));
+      EXPECT_THAT(child.err(), HasSubstr("the same command continues"));
       EXPECT_FALSE(checkpoints(cut).empty());
     }
     {

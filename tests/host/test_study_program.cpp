@@ -236,7 +236,7 @@ TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   child.send(SIGTERM);
   EXPECT_EQ(child.wait(), 128 + SIGTERM);
-  EXPECT_THAT(child.err(), HasSubstr("are finished and kept; the same line goes on"));
+  EXPECT_THAT(child.err(), HasSubstr("are finished and kept; the same command continues"));
   EXPECT_EQ(status_of("out")["state"], "interrupted");
   const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
   const auto done = std::count(answers.status.begin(), answers.status.end(), 0.0);

@@ -368,9 +368,9 @@ void measure_forecast(const Marched& m, int steps, Shares& shares) {
   for (int node = 0; node < m.t.faces.nodes; node += std::max(1, m.t.faces.nodes / 24)) {
     const ModesAt shape(
         m, m.t.motion.position + static_cast<double>(m.s.carried.step) * m.t.motion.advance, node);
-    double way = 0;
-    for (int k = 0; k < all; ++k) way += shape.shape[k][0] * off[k];
-    departed = std::max(departed, std::abs(way));
+    double displacement = 0;
+    for (int k = 0; k < all; ++k) displacement += shape.shape[k][0] * off[k];
+    departed = std::max(departed, std::abs(displacement));
   }
   const double bound = 0.5 * steps * (steps + 1.0) * tau * tau * acceleration;
   if (!(bound > 1e3 * eps * size)) return;

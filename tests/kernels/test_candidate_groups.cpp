@@ -206,8 +206,8 @@ Amplitudes some(Dice& dice, double size) {
   return u;
 }
 /// No farther off than `way`, in sum |U - U'|.
-Amplitudes elsewhere(Dice& dice, Amplitudes u, double way) {
-  double left = way * (1 - 1e-12);  // roundings
+Amplitudes elsewhere(Dice& dice, Amplitudes u, double travel_left) {
+  double left = travel_left * (1 - 1e-12);  // roundings
   for (const int k : dice.order(modes)) {
     const double part = dice.one_in(3) ? left : dice.uniform(0, left);
     u[k] += dice.one_in(2) ? part : -part;
@@ -377,11 +377,11 @@ TEST(CandidateGroups, AreThoseThatASearchOfEveryGroupFinds) {
       kept.find(u, bodies.place(position), range);
       anew.find(u, bodies.place(position), range);
       ASSERT_EQ(kept.listed(), anew.listed()) << "scene " << scene << ", trial " << trial;
-      const double way = dice.ratio(1e-3, 0.1);
+      const double travel_left = dice.ratio(1e-3, 0.1);
       if (trial % 2 == 0)
-        u = elsewhere(dice, u, way);
+        u = elsewhere(dice, u, travel_left);
       else
-        u[modes - 1] += dice.one_in(2) ? way : -way;
+        u[modes - 1] += dice.one_in(2) ? travel_left : -travel_left;
       position += dice.uniform(0, 1);
     }
     EXPECT_LT(kept.s.carried.sums.evaluated, 0.5 * 60 * Bodies::groups * width)

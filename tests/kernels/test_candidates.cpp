@@ -94,8 +94,8 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
     bodies.acceleration_per_newton[0] = 0;  // this force turns it and does no more
     const Amplitudes u{}, v{};
     for (int step = 20; step <= longest; step += 20) {
-      const double way = 0.5 * step * (step + 1.0) * (a + f);
-      for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : n == last ? -way : -1;
+      const double distance = 0.5 * step * (step + 1.0) * (a + f);
+      for (int n = 0; n < nodes; ++n) bodies.height1[n] = n == 0 ? 0 : n == last ? -distance : -1;
       const ContactForecast plan = forecast_contact(bodies, u, v, 0.2 * a);
       if (plan.kind != ContactForecast::listed || bodies.lists(last, plan.count)) continue;
       ++covered_by_others;
@@ -170,24 +170,24 @@ TEST(CandidatesProof, TheAccelerationIsReachedByAModeThatIsTurnedRound) {
 }
 
 TEST(CandidatesProof, TheWaysCurvatureIsReachedInATrough) {
-  constexpr double beta = 1e-3, size = 1, way = 0.25;
+  constexpr double beta = 1e-3, size = 1, distance = 0.25;
   OneNode bodies({{beta, 8}});
-  bodies.t.motion.advance = way / often;
+  bodies.t.motion.advance = distance / often;
   Amplitudes u{}, v{};
   u[0] = -size;
-  bodies.set_overlap(0, 0, u, 8 + way);
+  bodies.set_overlap(0, 0, u, 8 + distance);
   EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
 TEST(CandidatesProof, TheWaysCurvatureIsReachedOnAFlankThatGrows) {
   // a wave that begins to swing about a place where it is 0: 2 V psi' U' is all of its acceleration
-  constexpr double beta = 0.02, rate = 1e-6, way = 0.25;
+  constexpr double beta = 0.02, rate = 1e-6, distance = 0.25;
   OneNode bodies({{beta, 8 + M_PI_2 / beta}});
-  bodies.t.motion.advance = way / often;
+  bodies.t.motion.advance = distance / often;
   Amplitudes u{}, v{}, there{};
   v[0] = rate;
   there[0] = often * rate;
-  bodies.set_overlap(0, 0, there, 8 + way);
+  bodies.set_overlap(0, 0, there, 8 + distance);
   EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v)));
 }
 
@@ -235,16 +235,16 @@ TEST(CandidatesProof, WhatACubicLeavesOutOfARateIsReachedAtTheEdgeOfAPatch) {
 TEST(CandidatesProof, WhatACubicLeavesOutOfASlopeIsReachedAtTheEdgeOfAPatch) {
   // The beam rests, the slider goes away as fast as the slope under it is seen to raise the node.
   // What the cubic leaves out of the place itself is told apart: the node is seen where it is.
-  constexpr double way = 0.1;
+  constexpr double distance = 0.1;
   NodeAtTheEdge bodies;
   bodies.tail[0] = 0;
-  bodies.t.motion.advance = way / often;
+  bodies.t.motion.advance = distance / often;
   Amplitudes u{}, v{};
   u[0] = -1;
-  const double begin = bodies.t.motion.position, seen_rise = -way * beta_of_wide * z;
+  const double begin = bodies.t.motion.position, seen_rise = -distance * beta_of_wide * z;
   v[1] = -seen_rise / often;
   const double rises =
-      bodies.overlap(u, begin + way, 0) - bodies.overlap(u, begin, 0) + often * v[1];
+      bodies.overlap(u, begin + distance, 0) - bodies.overlap(u, begin, 0) + often * v[1];
   EXPECT_GT(rises, 0);
   bodies.set_overlap(0, -rises - left_out, u, begin);
   EXPECT_TRUE(ends_in_time(forecast_contact(bodies, u, v), 0.9 * often));
@@ -348,15 +348,15 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsMargin) {
 TEST(CandidatesProof, AListHasTheNodesThatThePathsCurvatureBrings) {
   // A node in a trough, beside one that is listed: it rises by (beta way)^2/2 until the list
   // ends.
-  constexpr double beta = 1e-3, size = 1, way = 0.25;
+  constexpr double beta = 1e-3, size = 1, distance = 0.25;
   constexpr int last = nodes - 1;
   BodiesByHand bodies({{beta, 8.0 + last}}, {}, nodes);
   bodies.t.motion.position = 8, bodies.t.bounds.valid_steps = 4 * often;
-  bodies.t.motion.advance = way / most_listed_steps, bodies.t.bounds.least_margin = 1e-12;
+  bodies.t.motion.advance = distance / most_listed_steps, bodies.t.bounds.least_margin = 1e-12;
   Amplitudes u{}, v{};
   u[0] = -size;
   for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == 0 ? 1e-3 : -1, u, 8);
-  const double risen = size * (1 - std::cos(beta * way));
+  const double risen = size * (1 - std::cos(beta * distance));
   for (const double open : {risen, 1.1 * risen}) {
     bodies.set_overlap(last, -open, u, 8);
     const ContactForecast plan = forecast_contact(bodies, u, v);

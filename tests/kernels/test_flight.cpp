@@ -36,7 +36,7 @@ const HostLanes lanes{NoTeam{}};
 struct Flying {
   std::vector<Mode> mode;
   std::vector<double> load;
-  std::vector<double> flight, rest, fall, omega, decay, swing, largest_shape, fourth_derivative,
+  std::vector<double> flight, rest, fall, omega, decay, farthest, largest_shape, fourth_derivative,
       tail;
   SceneTables t;
   double quickest = 0;
@@ -67,7 +67,7 @@ struct Flying {
       fall.push_back(w > 0 ? 0.0 : a);
       omega.push_back(w);
       decay.push_back(2 * mode[k].zeta * w);
-      swing.push_back(w > 0 ? 2 / w : 1e300);
+      farthest.push_back(w > 0 ? 2 / w : 1e300);
       largest_shape.push_back(dice.uniform(0.5, 2));
       tail.push_back(dice.uniform(0, 1e-3));
     }
@@ -75,7 +75,7 @@ struct Flying {
     t.flight.rows = flight.data(), t.flight.rest = rest.data(),
     t.flight.free_acceleration = fall.data();
     t.modes.omega = omega.data(), t.adaptive.decay = decay.data(),
-    t.flight.displacement_per_energy_norm = swing.data();
+    t.flight.displacement_per_energy_norm = farthest.data();
     t.bounds.largest_shape = largest_shape.data(),
     t.flight.fourth_derivative_per_energy_norm = fourth_derivative.data(),
     t.bounds.cubic_remainder = tail.data();
@@ -314,13 +314,14 @@ TEST(FlightProof, TravelIsReachedByAModeThatPassesItsRest) {
       return fly(f.mode[mode], f.omega[mode] > 0 ? f.load[mode] : 0.0, {y.u[mode], y.v[mode], 0},
                  time);
     };
-    const double way = std::abs(static_cast<double>(there(k).u - y.u[k]));
+    const double travelled = std::abs(static_cast<double>(there(k).u - y.u[k]));
     double size = 0, tail = 0;
     for (int mode = 0; mode < modes; ++mode) {
-      const double out = std::abs(y.u[mode]) + (mode == k ? way : 0);  // it may as well go outwards
+      const double out =
+          std::abs(y.u[mode]) + (mode == k ? travelled : 0);  // it may as well go outwards
       size += f.largest_shape[mode] * out, tail += f.tail[mode] * out;
     }
-    for (const auto& [bound, reached] : {std::pair{bounds.travel, f.largest_shape[k] * way},
+    for (const auto& [bound, reached] : {std::pair{bounds.travel, f.largest_shape[k] * travelled},
                                          {bounds.size, size},
                                          {bounds.cubic_remainder, tail}}) {
       EXPECT_GE(bound, reached * (1 - 64 * eps)) << "mode " << k;
@@ -343,8 +344,8 @@ TEST(FlightProof, SizeIsReachedByAModeThatFallsFromRest) {
   for (const double time : {0.01, 0.5, 20.0}) {
     double travel = 0, tail = 0;
     for (int k = 0; k < modes; ++k) {
-      const double way = std::abs(f.fall[k]) * time * (0.25 + 0.5 * time);
-      travel += f.largest_shape[k] * way, tail += f.tail[k] * way;
+      const double travelled = std::abs(f.fall[k]) * time * (0.25 + 0.5 * time);
+      travel += f.largest_shape[k] * travelled, tail += f.tail[k] * travelled;
     }
     const MotionBounds bounds = f.bounds(y, time);
     EXPECT_NEAR(bounds.travel, travel, 64 * eps * travel);

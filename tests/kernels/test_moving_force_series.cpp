@@ -49,14 +49,14 @@ TEST(MovingForceSeries, IsTheForceOnEachModeAsLongAsItSaysItIs) {
         const double x = force.position + ticks * force.advance,
                      at = ticks * t.motion.time_step / scale;
         for (int k = 0; k < f.modes(); ++k) {
-          double exact, push = 0;
+          double exact, sum = 0;
           f.mode(k).shape->evaluate(x, 1, &exact);
           for (int j = t.adaptive.order; j >= 0; --j)
-            push = push * at + series[j * packs * width + k];
+            sum = sum * at + series[j * packs * width + k];
           // as a node's shape: the roundings of the series, of the place, and of beta x there
           const double roundings =
               8 * t.patches.terms + 40 + 2 * f.mode(k).shape->wave_number() * x;
-          ASSERT_NEAR(push, force.force * exact, roundings * eps * force.force * f.size(k))
+          ASSERT_NEAR(sum, force.force * exact, roundings * eps * force.force * f.size(k))
               << "mode " << k << ", from " << force.position << ", " << share << " of the way";
         }
       }

@@ -84,16 +84,16 @@ TEST(Overlaps, ANodeThatTouchesAndIsGoneByTheEndIsFlagged) {
 TEST(Overlaps, ANodeThatPassesACrestIsFlagged) {
   // bodies at rest, and a node that touches the deflected beam's crest half way: only the
   // sliding brings it there
-  constexpr double beta = 0.02, way = 0.9375, size = 1e-3;
+  constexpr double beta = 0.02, advance = 0.9375, size = 1e-3;
   for (int node = 0; node < nodes; ++node) {
-    BodiesByHand bodies({{beta, 8 + node + 0.5 * way}}, {}, nodes);
+    BodiesByHand bodies({{beta, 8 + node + 0.5 * advance}}, {}, nodes);
     bodies.t.motion.position = 8;
-    bodies.t.motion.advance = way;
+    bodies.t.motion.advance = advance;
     Amplitudes u{}, v{};
     u[0] = size;
-    for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8 + 0.5 * way);
+    for (int n = 0; n < nodes; ++n) bodies.set_overlap(n, n == node ? 0 : -1, u, 8 + 0.5 * advance);
     const MotionBounds bounds{.travel = 0,
-                              .fourth_derivative = std::pow(beta * way, 4) * size,
+                              .fourth_derivative = std::pow(beta * advance, 4) * size,
                               .cubic_remainder = bodies.tail[0] * size,
                               .size = size};
     ASSERT_GT(-bodies.overlap(u, 8, node), 4 * bounds.cubic_remainder) << "it is seen to be open";
@@ -150,22 +150,23 @@ TEST(OverlapsProof, ARiseIsReachedByWhatTheModesTravel) {
 
 TEST(OverlapsProof, ARiseIsReachedOnASteepFace) {
   const Amplitudes still{};
-  constexpr double way = 0.25, rise = 2;
+  constexpr double advance = 0.25, rise = 2;
   BodiesByHand bodies({}, {up}, 1);
-  bodies.t.motion.position = 8, bodies.t.motion.advance = way, bodies.t.faces.steepest_rise = rise;
+  bodies.t.motion.position = 8, bodies.t.motion.advance = advance,
+  bodies.t.faces.steepest_rise = rise;
   const MotionBounds bounds{
       .travel = 0, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
-  EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), way * rise, 1e-12);
+  EXPECT_NEAR(widest_flagged(bodies, bounds, still, still, still, still), advance * rise, 1e-12);
 }
 
 TEST(OverlapsProof, ARiseIsReachedOnTheFlankOfABentBeam) {
   // the steepest place of a wave comes when the node is half way
-  constexpr double beta = 1e-3, way = 0.5, size = 100;
-  BodiesByHand bodies({{beta, 8 + 0.5 * way + M_PI_2 / beta}}, {}, 1);
-  bodies.t.motion.position = 8, bodies.t.motion.advance = way;
+  constexpr double beta = 1e-3, advance = 0.5, size = 100;
+  BodiesByHand bodies({{beta, 8 + 0.5 * advance + M_PI_2 / beta}}, {}, 1);
+  bodies.t.motion.position = 8, bodies.t.motion.advance = advance;
   Amplitudes u{}, v{};
   u[0] = size;
-  const double risen = bodies.overlap(u, 8 + way, 0) - bodies.overlap(u, 8, 0);
+  const double risen = bodies.overlap(u, 8 + advance, 0) - bodies.overlap(u, 8, 0);
   const MotionBounds bounds{
       .travel = 0, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
   const double widest = widest_flagged(bodies, bounds, u, v, u, v);

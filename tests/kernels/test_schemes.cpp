@@ -189,12 +189,12 @@ TYPED_TEST(RungeKutta, WeightsAreTheSchemesDefinition) {
     const Answers<s> exact = by_definition<TypeParam>(mode, tau, u0, v0, force);
     // What is rounded: every input's way through the step. The weights are rounded likewise, as the
     // answers to a one each, so twice that; and twice for another order of the operations.
-    Answers<s> way{};
+    Answers<s> rounded{};
     const auto add = [&](double u, double v, const std::vector<double>& f) {
       const Answers<s> one = by_definition<TypeParam>(mode, tau, u, v, f);
-      way.u.error += 4 * one.u.error;
-      way.v.error += 4 * one.v.error;
-      for (int i = 0; i < s; ++i) way.at[i].error += 4 * one.at[i].error;
+      rounded.u.error += 4 * one.u.error;
+      rounded.v.error += 4 * one.v.error;
+      for (int i = 0; i < s; ++i) rounded.at[i].error += 4 * one.at[i].error;
     };
     add(u0, 0, std::vector<double>(s, 0));
     add(0, v0, std::vector<double>(s, 0));
@@ -213,10 +213,10 @@ TYPED_TEST(RungeKutta, WeightsAreTheSchemesDefinition) {
       v += static_cast<long double>(w.v_f[i]) * force[i];
       long double at = u0 + static_cast<long double>(w.stage_u[i]) * u0 + w.stage_v[i] * v0;
       for (int j = 0; j < s; ++j) at += static_cast<long double>(w.stage_f[i][j]) * force[j];
-      ASSERT_LE(std::abs(at - exact.at[i].value), way.at[i].error) << "stage " << i;
+      ASSERT_LE(std::abs(at - exact.at[i].value), rounded.at[i].error) << "stage " << i;
     }
-    ASSERT_LE(std::abs(u - exact.u.value), way.u.error);
-    ASSERT_LE(std::abs(v - exact.v.value), way.v.error);
+    ASSERT_LE(std::abs(u - exact.u.value), rounded.u.error);
+    ASSERT_LE(std::abs(v - exact.v.value), rounded.v.error);
   }
 }
 

@@ -29,7 +29,7 @@ using test::K, test::eps, test::modes, test::width;
 struct Bodies {
   static constexpr int nodes = 3;
   std::vector<Mode> mode;
-  std::vector<double> load, mass, omega, decay, light, wander, turn, largest_shape, tail;
+  std::vector<double> load, mass, omega, decay, inverse_mass, wander, turn, largest_shape, tail;
   std::vector<double> shape, face, series, squares, node_series, closed_shape, scan_shape, scan;
   std::vector<std::int64_t> window = std::vector<std::int64_t>(nodes, 0);
   std::vector<int> closed;
@@ -52,7 +52,7 @@ struct Bodies {
       const double beta = m.omega > 0 ? dice.uniform(0, 0.1) : 0.0;
       mode.push_back(m);
       load.push_back(dice.one_in(2) ? dice.uniform(-1, 1) * m.mass * 1e3 : 0.0);
-      mass.push_back(m.mass), light.push_back(1 / m.mass);
+      mass.push_back(m.mass), inverse_mass.push_back(1 / m.mass);
       omega.push_back(m.omega), decay.push_back(2 * m.zeta * m.omega);
       turn.push_back(m.omega * (m.zeta + std::hypot(1.0, m.zeta)));
       wander.push_back(beta * speed);
@@ -82,7 +82,7 @@ struct Bodies {
     t.adaptive.order = series_order(tolerance);
     t.modes.load = load.data(), t.modes.mass = mass.data(), t.modes.omega = omega.data(),
     t.adaptive.decay = decay.data();
-    t.adaptive.inverse_mass = light.data(), t.adaptive.passing_rate = wander.data(),
+    t.adaptive.inverse_mass = inverse_mass.data(), t.adaptive.passing_rate = wander.data(),
     t.adaptive.fastest_rate = turn.data();
     t.bounds.largest_shape = largest_shape.data(), t.bounds.cubic_remainder = tail.data();
     series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
@@ -136,26 +136,26 @@ struct Bodies {
   /// psi_k and its slope at a node, x on.
   std::array<long double, 2> shape_at(int node, int k, double x) const {
     const Place here = place();
-    const long double o = here.offset + static_cast<long double>(x) * way();
+    const long double o = here.offset + static_cast<long double>(x) * advance();
     const auto c = [&](int m) -> long double { return shape[(node * 4 + m) * modes + k]; };
     return {c(0) + o * (c(1) + o * (c(2) + o * c(3))), c(1) + o * (2 * c(2) + o * 3 * c(3))};
   }
-  double way() const { return t.motion.advance * (motion.scale() / t.motion.time_step); }
+  double advance() const { return t.motion.advance * (motion.scale() / t.motion.time_step); }
   /// A node's overlap from its definition, its change per x that is due to the way alone, and the
   /// size of what they are sums of.
   struct Overlap {
     long double over, sliding_rate, size;
   };
   Overlap overlap(int node, double x) const {
-    const long double theta = place().theta + static_cast<long double>(x) * way();
+    const long double theta = place().theta + static_cast<long double>(x) * advance();
     const long double rise = face[2 * node + 1];
-    Overlap o{0, rise * way(), std::abs(face[2 * node]) + std::abs(rise)};
+    Overlap o{0, rise * advance(), std::abs(face[2 * node]) + std::abs(rise)};
     long double modes_part = 0;
     for (int k = 0; k < modes; ++k) {
       const auto [psi, slope] = shape_at(node, k, x);
       const long double now = derivative(0, k, x);
       modes_part += psi * now;
-      o.sliding_rate += slope * way() * now;
+      o.sliding_rate += slope * advance() * now;
       for (int j = 0; j <= t.adaptive.order; ++j)
         o.size += largest_shape[k] * std::abs(coefficient(j, k)) * std::pow(x, j);
     }
@@ -318,7 +318,7 @@ TEST(ModalSeries, SolvesTheEquationsOfSlidingContact) {
             << "trial " << trial << ", mode " << k << ", x " << x;
       }
     }
-    moved += b.way();
+    moved += b.advance();
   }
   EXPECT_GT(moved, 1e-3);
 }
@@ -346,17 +346,18 @@ TEST(ModalSeries, KnowsWhatItsOverlapsNeglect) {
             << "trial " << trial << ", x " << x;
         if (b.motion.wanted_terms() == 4) {
           EXPECT_NEAR(polynomial(b.motion.sliding_rate(e), b.motion.degree(), x),
-                      static_cast<double>(o.sliding_rate), rounding * std::max(1.0, b.way()));
+                      static_cast<double>(o.sliding_rate), rounding * std::max(1.0, b.advance()));
         }
         // of any node, closed or not: with all terms
         b.motion.overlap_of(e, b.place(), b.scan.data());
         EXPECT_NEAR(polynomial(b.scan.data(), b.motion.degree(), x), static_cast<double>(o.over),
                     rounding);
       }
-    double way = 0;
+    double advance = 0;
     for (int k = 0; k < modes; ++k)
-      way += b.largest_shape[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
-    EXPECT_LE(b.motion.neglected(), 0.03 * b.t.adaptive.tolerance * way * (1 + 16 * eps));
+      advance +=
+          b.largest_shape[k] * (std::abs(b.coefficient(1, k)) + std::abs(b.coefficient(2, k)));
+    EXPECT_LE(b.motion.neglected(), 0.03 * b.t.adaptive.tolerance * advance * (1 + 16 * eps));
   }
   EXPECT_GT(seen[2], 0);
   EXPECT_GT(seen[3], 0);
@@ -486,7 +487,8 @@ struct OneMode : Bodies {
   explicit OneMode(Dice& dice, int closed_nodes = 0) : Bodies(dice, 1e-13, 0.0, 0, closed_nodes) {
     for (std::vector<double>* row : {&load, &omega, &decay, &turn, &wander, &tail})
       std::fill(row->begin(), row->end(), 0.0);
-    std::fill(mass.begin(), mass.end(), 1.0), std::fill(light.begin(), light.end(), 1.0);
+    std::fill(mass.begin(), mass.end(), 1.0),
+        std::fill(inverse_mass.begin(), inverse_mass.end(), 1.0);
     std::fill(shape.begin(), shape.end(), 0.0), std::fill(face.begin(), face.end(), 0.0);
     u.fill(0), v.fill(0);
     s.work.series.forces = modal_force.data();
@@ -539,11 +541,11 @@ TEST(SeriesProof, TravelIsReachedByAModeWithoutForces) {
     OneMode mode(dice);
     mode.tail[0] = 0.25;
     mode.begin_with(d, size);
-    const double way = size * std::pow(x, d);
+    const double advance = size * std::pow(x, d);
     const MotionBounds bounds = mode.motion.bounds(x);
-    EXPECT_NEAR(bounds.travel, mode.largest_shape0 * way, 1e-12) << "derivative " << d;
-    EXPECT_NEAR(bounds.size, mode.largest_shape0 * way, 1e-12) << "derivative " << d;
-    EXPECT_NEAR(bounds.cubic_remainder, 0.25 * way, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.travel, mode.largest_shape0 * advance, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.size, mode.largest_shape0 * advance, 1e-12) << "derivative " << d;
+    EXPECT_NEAR(bounds.cubic_remainder, 0.25 * advance, 1e-12) << "derivative " << d;
   }
 }
 

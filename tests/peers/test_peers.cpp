@@ -84,7 +84,7 @@ TEST_P(Peer, OneModeAgainstOneNodeIsTheClosedForm) {
   const double stiff = spring * phi * phi / beam.modes[0].mass;
   const double omega_c = std::sqrt(omega * omega + stiff),
                rest = stiff * touch / (omega_c * omega_c);
-  const double away = touch - rest, swing = std::hypot(away, v / omega_c);
+  const double away = touch - rest, amplitude = std::hypot(away, v / omega_c);
   const double duration = (pi - 2 * std::atan2(omega_c * away, v)) / omega_c;
   // it leaves as fast as it came; then the free swing goes on, mirrored in time
   const double until = onset + duration + 0.3 / omega;
@@ -114,7 +114,7 @@ TEST_P(Peer, OneModeAgainstOneNodeIsTheClosedForm) {
       EXPECT_NEAR(r.shocks[0].start, onset, within / omega);
       EXPECT_NEAR(r.shocks[0].duration, duration, within / omega);
       // the largest force is that of a cubic through a step's ends: of fourth order in it
-      const double peak = spring * phi * (rest + swing - touch);
+      const double peak = spring * phi * (rest + amplitude - touch);
       EXPECT_NEAR(r.shocks[0].peak_force, peak, 1e-3 * peak);
     }
 }

@@ -55,7 +55,7 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   const std::int64_t steps = carried.step, strides = carried.adaptive_steps,
                      touching = carried.sums.contact_steps;
   const Program& program = programs.of(lanes.tables().scheme.form);
-  PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::together);
+  PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::in_step);
   warp.check_races(false);
   march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
   const double units =

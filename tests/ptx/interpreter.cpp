@@ -51,14 +51,14 @@ void PtxWarp::run(const std::vector<std::uint64_t>& parameters) {
   at_.fill(0);
   alive_ = all;
   watched_.sync();
-  if (order_ == Order::together)
-    run_together();
+  if (order_ == Order::in_step)
+    run_in_step();
   else
     run_by_turns(order_ == Order::shuffled);
 }
 
 /// The lanes that are furthest behind go on, until they come to others.
-void PtxWarp::run_together() {
+void PtxWarp::run_in_step() {
   while (alive_ != 0) {
     std::size_t first = static_cast<std::size_t>(-1), next = first;
     std::uint32_t lanes = 0;

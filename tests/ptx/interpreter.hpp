@@ -30,9 +30,9 @@ class PtxWarp {
  public:
   /// In which order lanes go on from a meeting: side by side as on a GPU, or each by itself to the
   /// next one.
-  enum class Order { together, ascending, descending, shuffled };
+  enum class Order { in_step, ascending, descending, shuffled };
 
-  explicit PtxWarp(const Program& program, Order order = Order::together);
+  explicit PtxWarp(const Program& program, Order order = Order::in_step);
 
   /// Memory that the lanes may touch, before they run.
   void allow(std::string name, const void* begin, std::size_t bytes, bool writable);
@@ -55,7 +55,7 @@ class PtxWarp {
  private:
   static constexpr std::uint32_t all = 0xFFFFFFFF;
 
-  void run_together();
+  void run_in_step();
   void run_by_turns(bool shuffle);
   void run_group(std::uint32_t lanes, std::size_t limit);
   void meet();

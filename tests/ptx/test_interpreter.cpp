@@ -19,7 +19,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 using Order = PtxWarp::Order;
-constexpr Order orders[] = {Order::together, Order::ascending, Order::descending, Order::shuffled};
+constexpr Order orders[] = {Order::in_step, Order::ascending, Order::descending, Order::shuffled};
 
 /// A kernel of one address: %rd1, and %rd2 of the lane's own place there. Its lines begin at 10.
 std::string kernel(const std::string& body) {
@@ -44,7 +44,7 @@ struct Outcome {
 };
 
 /// Runs a kernel on 32 values: 0, 1, ...
-Outcome run(const std::string& body, Order order = Order::together,
+Outcome run(const std::string& body, Order order = Order::in_step,
             std::size_t ignored = static_cast<std::size_t>(-1)) {
   const Program program(kernel(body));
   Outcome outcome;
@@ -60,7 +60,7 @@ Outcome run(const std::string& body, Order order = Order::together,
 }
 
 /// The fault that a warp, or a parser, finds in a kernel; empty: none.
-std::string said_of(const std::string& body, Order order = Order::together) {
+std::string said_of(const std::string& body, Order order = Order::in_step) {
   try {
     run(body, order);
   } catch (const WarpFault& fault) {

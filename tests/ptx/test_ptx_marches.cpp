@@ -25,9 +25,9 @@ namespace ra2d::test {
 namespace {
 
 constexpr std::int64_t longest = 800;  // steps
-constexpr PtxWarp::Order orders[] = {PtxWarp::Order::together, PtxWarp::Order::shuffled,
-                                     PtxWarp::Order::together, PtxWarp::Order::descending,
-                                     PtxWarp::Order::together, PtxWarp::Order::ascending};
+constexpr PtxWarp::Order orders[] = {PtxWarp::Order::in_step, PtxWarp::Order::shuffled,
+                                     PtxWarp::Order::in_step, PtxWarp::Order::descending,
+                                     PtxWarp::Order::in_step, PtxWarp::Order::ascending};
 
 class PtxMarch : public testing::TestWithParam<Form> {
  protected:
@@ -127,7 +127,7 @@ TEST_P(PtxMarch, MissingSyncsAreNoticed) {
   constexpr std::size_t chosen = 30;
   const Started c = touching_scene(GetParam(), steps);
   SceneOnLanes whole(c.model, c.start, 1);
-  PtxWarp with_all = warp_for(program(), whole, PtxWarp::Order::together);
+  PtxWarp with_all = warp_for(program(), whole, PtxWarp::Order::in_step);
   march(with_all, whole, steps);
   std::vector<std::size_t> syncs = program().syncs();
   std::erase_if(syncs, [&](std::size_t sync) { return with_all.counts()[sync] == 0; });

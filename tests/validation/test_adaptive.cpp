@@ -390,11 +390,11 @@ TEST(AdaptiveRigid, AShockStandsWhereItsForceDoesOnTheMean) {
   ASSERT_EQ(r.end.status, Status::done);
   ASSERT_EQ(r.end.open_shocks.size(), 1u);
   const OpenShock& shock = r.end.open_shocks[0];
-  const double begin = (s.start + 0.002) / s.spacing, way = s.speed * s.duration / s.spacing;
+  const double begin = (s.start + 0.002) / s.spacing, distance = s.speed * s.duration / s.spacing;
   EXPECT_NEAR(shock.impulse, shock.peak * static_cast<double>(r.model.steps),
               1e-12 * shock.impulse);
   // the mean of fifty spacings, each begun within 4 ulp of the position
-  EXPECT_NEAR(shock.moment / shock.impulse, begin + 0.5 * way, 1e-12 * begin);
+  EXPECT_NEAR(shock.moment / shock.impulse, begin + 0.5 * distance, 1e-12 * begin);
 }
 
 TEST(AdaptiveRigid, AForceThatComesLate) {

@@ -368,8 +368,8 @@ TEST(RigidModes, OfASliderDriftUniformlyAndFallUnderALoad) {
   EXPECT_EQ(run.end.slider_v[1], 2e-3);
   EXPECT_NEAR(run.end.slider_u[1], -1e-6 + 2e-3 * run.model.scene.duration, steps * eps * 2e-5);
   // the load's work is the force times the way of the middle
-  const double way = (run.end.slider_u[0] - 2e-6) / std::sqrt(scene.slider.length);
-  EXPECT_NEAR(run.samples.load_work.back(), 3 * way, 8 * eps * 3 * way);
+  const double displacement = (run.end.slider_u[0] - 2e-6) / std::sqrt(scene.slider.length);
+  EXPECT_NEAR(run.samples.load_work.back(), 3 * displacement, 8 * eps * 3 * displacement);
 }
 
 }  // namespace

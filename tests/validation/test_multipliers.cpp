@@ -573,11 +573,12 @@ TEST_P(HeldForces, ImpactThatThrowsTheOtherEndDownIsTheSameBitForBit) {
       Scene s = with(plate_scene(3, 0.004, 1e-3), kind());
       s.slider.support = Support::free;
       s.slider.modes = 0;
-      const double way = impact_speed * s.time.step;
-      s.slider.surface =
-          peaks({{.at = 0, .height = 1e-5, .half_width = 0.5 * s.spacing},
-                 {.at = 0.004, .height = 1e-5 - steps_apart * way, .half_width = 0.5 * s.spacing}});
-      s.gap = 1e-5 + steps_before * way;
+      const double step_length = impact_speed * s.time.step;
+      s.slider.surface = peaks({{.at = 0, .height = 1e-5, .half_width = 0.5 * s.spacing},
+                                {.at = 0.004,
+                                 .height = 1e-5 - steps_apart * step_length,
+                                 .half_width = 0.5 * s.spacing}});
+      s.gap = 1e-5 + steps_before * step_length;
       s.duration = 1000 * s.time.step;
       s.output.rate = 1 / s.duration;
       s.contact.stiffness = 1e15;

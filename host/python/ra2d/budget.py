@@ -325,7 +325,7 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
                 folder: str | os.PathLike[str] | None = None, threads: int | None = None, show: bool = True) -> Budget:
     """The error budget of a scene. It runs `seeds` realisations of its faces as asked, then three of
     them with another tolerance (or step), a finer spacing, more modes and a stiffer contact. The
-    same call goes on where it was cut off.
+    same call continues it.
 
     Realisations of a random face are other seeds. Of a measured one they are other stretches of its
     trace where it is long enough, then its mirror image, then surrogates: the same spectrum with

@@ -30,7 +30,7 @@ LONGEST_CLIP, LONGEST_SLOW, SLOWER = 5.0, 20.0, 20  # s that are heard; times sl
 MOST_SOUNDS = 8       # results that have sounds: some 1 MB each
 MOST_ROWS = 500       # of the table of means
 MOST_MESSAGES = 3     # of failed runs
-MUCH_ENERGY = 0.05    # of what went through
+MUCH_ENERGY = 0.05    # of the largest term of the balance
 LONGEST_TITLE, LONGEST_DOUBT = 200, 300
 
 Facts = list[tuple[str, Markup]]
@@ -112,7 +112,7 @@ def _figures(found: dict[str, Any]) -> Facts:
             rows.append((f"microphone {i}", html("<b>{} dB(A)</b>, {} dB re 20 \u00b5Pa at {} m",
                                                  f"{microphone['lpa']:.1f}", f"{microphone['lp']:.1f}", place)))
     if energy["closure"] is not None:
-        rows.append(("energy balance", html("closes to {} of what went through", number(energy["closure"], 2))))
+        rows.append(("energy balance", html("off by {} of its largest term", number(energy["closure"], 2))))
     return rows
 
 

@@ -528,7 +528,7 @@ def facts(result: Result) -> str:
     if found["contact_share"] is not None:
         parts.append(f"in contact {100 * found['contact_share']:.3g} % of the time")
     if found["energy"]["closure"] is not None:
-        parts.append(f"energy closes to {found['energy']['closure']:.1e}")
+        parts.append(f"energy balance off by {found['energy']['closure']:.1e}")
     return "  \u00b7  ".join(parts)
 
 

@@ -257,7 +257,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
           folder: str | os.PathLike[str] | None = None, keep_files: bool = False, keep_sound: bool = False, threads: int | None = None,
           retry_failed: bool = False, max_wall: float | str | None = None, show: bool = True) -> Study:
     """Runs every combination of what is varied, on all processors, and returns the table. The same
-    call goes on where it was cut off; with more values only what is new is run.
+    call continues it; with more values only what is new is run.
 
     - `source`: a scene with its changes, or what `ra2d.scene` takes
     - `vary`: values by key, {"speed": [0.1, 0.2]} [m/s]; a tuple of keys varies them together:

@@ -19,12 +19,12 @@ struct OutputNames {
   /// Path of segment number 1, 2, ...
   std::filesystem::path segment(std::size_t number) const;
 };
-OutputNames names_beside(const std::filesystem::path& output);
+OutputNames output_names(const std::filesystem::path& output);
 
 /// To be asked before anything of an output is made. Throws RequestError where one of `inputs` has
 /// one of these names, or is a segment of the output; FileError where something else has one that
 /// is not ra2d's own, or that may not be replaced. Nothing of that is ever removed.
-void require_names_beside(const OutputNames& names,
+void require_output_names(const OutputNames& names,
                           const std::vector<std::filesystem::path>& inputs);
 
 /// Another process writes an output.

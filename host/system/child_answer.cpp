@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/system/asked_child.hpp"
+#include "host/system/child_answer.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

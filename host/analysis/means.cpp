@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/analysis/several.hpp"
+#include "host/analysis/means.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/store/beside.hpp"
+#include "host/store/output_names.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -67,7 +67,7 @@ bool is_segment_name(const fs::path& file) {
   return number_of(file.filename().string()) > 0 && file.parent_path().extension() == ".parts";
 }
 
-void require_names_beside(const OutputNames& names, const std::vector<fs::path>& inputs) {
+void require_output_names(const OutputNames& names, const std::vector<fs::path>& inputs) {
   std::error_code none;
   for (const fs::path& input : inputs) {
     const fs::path file = fs::canonical(input, none);
@@ -93,7 +93,7 @@ void require_names_beside(const OutputNames& names, const std::vector<fs::path>&
       });
 }
 
-OutputNames names_beside(const fs::path& output) {
+OutputNames output_names(const fs::path& output) {
   OutputNames names;
   names.result = replaced_file(output);
   const auto with = [&](const char* end) {
@@ -106,7 +106,7 @@ OutputNames names_beside(const fs::path& output) {
   return names;
 }
 
-ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{names_beside(output)} { take(); }
+ClaimedOutput::ClaimedOutput(const fs::path& output) : names_{output_names(output)} { take(); }
 
 ClaimedOutput::~ClaimedOutput() {
   if (folder_ < 0) return;
