@@ -46,12 +46,12 @@ HeightMoments height_moments(const Function& function) {
   double second_moment = 0, third_moment = 0, fourth_moment = 0;
   for (int i = 0; i < Normal::points; ++i) {
     const double away = value[i] - s.mean, square = away * away;
-    second += normal().weight[i] * square;
-    third += normal().weight[i] * square * away;
+    second_moment += normal().weight[i] * square;
+    third_moment += normal().weight[i] * square * away;
     fourth_moment += normal().weight[i] * square * square;
   }
-  s.spread = std::sqrt(second);
-  s.skewness = third / (second * s.spread);
+  s.spread = std::sqrt(second_moment);
+  s.skewness = third_moment / (second_moment * s.spread);
   s.kurtosis = fourth_moment / (second_moment * second_moment);
   return s;
 }

@@ -280,8 +280,8 @@ TEST_F(LongProfile, SeedsAreUncorrelated) {
 TEST_F(LongProfile, HeightsAreNormal) {
   double third_moment = 0, fourth_moment = 0;
   for (const double h : heights(1)) third_moment += h * h * h, fourth_moment += h * h * h * h;
-  // Variances 6 and 24 over the samples independent for the third and fourth power of C.
-  EXPECT_NEAR(third / nodes, 0, 4 * std::sqrt(6 / independent(3)));
+  // Variances 6 and 24 over the samples independent for the third_moment and fourth power of C.
+  EXPECT_NEAR(third_moment / nodes, 0, 4 * std::sqrt(6 / independent(3)));
   EXPECT_NEAR(fourth_moment / nodes, 3, 4 * std::sqrt(24 / independent(4)));
 }
 
