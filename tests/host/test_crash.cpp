@@ -336,7 +336,7 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
     EXPECT_EQ(ended.status == 4 || ended.status == 2, true) << why << ended.status << ended.err;
     EXPECT_THAT(ended.err, HasSubstr(why));
   };
-  refused([](Checkpoint& c) { c.state.values.shocks.open_count = 1 << 30; }, "two moments");
+  refused([](Checkpoint& c) { c.state.values.shocks.open_count = 1 << 30; }, "different times");
   refused([](Checkpoint& c) { c.state.values.shocks.run_count = -1; }, "shocks do not fit");
   refused([](Checkpoint& c) { c.state.values.latest_contact.pair[1] = -5; },
           "none of the slider's");
@@ -347,11 +347,11 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
   refused([](Checkpoint& c) { c.state.arrays[0].pop_back(); }, "another length");
   refused([](Checkpoint& c) { c.state.arrays.pop_back(); }, "another length");
   refused([](Checkpoint& c) { c.state.arrays.emplace_back(); }, "more arrays");
-  refused([](Checkpoint& c) { c.state.values.step += 1; }, "two moments");
+  refused([](Checkpoint& c) { c.state.values.step += 1; }, "different times");
   refused([](Checkpoint& c) { c.accounts.now.resonator_u.pop_back(); }, "another scene");
   refused([](Checkpoint& c) { c.accounts.samples += 1; }, "do not agree");
-  refused([](Checkpoint& c) { c.accounts.now.shocks_begun += 1; }, "two moments");
-  refused([](Checkpoint& c) { c.accounts.now.open_shocks.emplace_back(); }, "two moments");
+  refused([](Checkpoint& c) { c.accounts.now.shocks_begun += 1; }, "different times");
+  refused([](Checkpoint& c) { c.accounts.now.open_shocks.emplace_back(); }, "different times");
   refused([](Checkpoint& c) { c.segments.at(0).samples = -1; }, "more samples than the run");
   refused([](Checkpoint& c) { c.segments.at(0).samples = std::int64_t{1} << 62; },
           "more samples than the run");

@@ -625,7 +625,7 @@ TEST_F(Program, GeneratesNothingThatDoesNotFitTogether) {
       {{"--rsm", "1e-3", "--kurtosis", "1"}, "expected a kurtosis from skewness^2"},
       {{"--rsm", "1e-3", "--correlation", "self-affine"}, "hurst"},
       {{"--correlation", "fractal"}, "fractal"},
-      {{"--correlation-length", "1e-3", "--exact", "rq+rsm"}, "no --rsm"},
+      {{"--correlation-length", "1e-3", "--exact", "rq+rsm"}, "needs --rsm"},
       {{"--rsm", "1e-3", "--seed", "9223372036854775808"}, "as in a scene"},
       {{"--rsm", "1e-3", "--spacing", "1e-12"}, "spacing"}};
   for (const auto& [more, says] : cases) {
