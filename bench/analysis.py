@@ -53,16 +53,16 @@ def main():
     parser.add_argument("--nodes", type=int, default=1_000_000)
     parser.add_argument("--seconds", default="1")
     parser.add_argument("--folder", default="/dev/shm")
-    asked = parser.parse_args()
-    with tempfile.TemporaryDirectory(dir=asked.folder) as folder:
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(dir=options.folder) as folder:
         place = pathlib.Path(folder)
-        run([asked.programs[0], "run", SCENE, "-o", place / "out.h5", "--quiet", "--set", "time.scheme=adaptive",
-             "--set", "time.tolerance=1e-6", "--set", f"scene.duration={asked.seconds}", "--set", "output.rate=100e3"])
-        names = list(commands("", place, asked.nodes))
-        found = {(name, program): [] for name in names for program in asked.programs}
-        for _ in range(asked.rounds):
-            for program in asked.programs:
-                for name, words in commands(program, place, asked.nodes).items():
+        run([options.programs[0], "run", SCENE, "-o", place / "out.h5", "--quiet", "--set", "time.scheme=adaptive",
+             "--set", "time.tolerance=1e-6", "--set", f"scene.duration={options.seconds}", "--set", "output.rate=100e3"])
+        names = list(commands("", place, options.nodes))
+        found = {(name, program): [] for name in names for program in options.programs}
+        for _ in range(options.rounds):
+            for program in options.programs:
+                for name, words in commands(program, place, options.nodes).items():
                     found[name, program].append(run(words))
     print(f"{'ms':<17}{'wall':>8}{'least':>8}{'processor':>11}{'peak MB':>9}")
     for (name, program), times in found.items():

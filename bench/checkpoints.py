@@ -56,21 +56,21 @@ def main():
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--folder", default=".")
     parser.add_argument("--set", action="append", default=[])
-    asked = parser.parse_args()
+    options = parser.parse_args()
     tried = 0.1
-    duration = tried * asked.seconds / run(asked.program, tried, None, asked.folder, asked.set)[1]
-    found = {every: [] for every in (None, *asked.every)}
-    for _ in range(asked.runs):
+    duration = tried * options.seconds / run(options.program, tried, None, options.folder, options.set)[1]
+    found = {every: [] for every in (None, *options.every)}
+    for _ in range(options.runs):
         for every, runs in found.items():
-            runs.append(run(asked.program, duration, every, asked.folder, asked.set))
-    beside = {every: statistics.median(wall - march for wall, march, _ in runs) for every, runs in found.items()}
+            runs.append(run(options.program, duration, every, options.folder, options.set))
+    overhead = {every: statistics.median(wall - march for wall, march, _ in runs) for every, runs in found.items()}
     march = statistics.median(march for runs in found.values() for _, march, _ in runs)
-    print(f"{march:.1f} s of march; without checkpoints {beside[None]:.3f} s beside it")
+    print(f"{march:.1f} s of march; without checkpoints {overhead[None]:.3f} s beside it")
     print(f"{'every':>8} {'checkpoints':>12} {'cost':>9} {'each':>9} {'of the march':>13}")
     counts, costs = [], []
-    for every in asked.every:
+    for every in options.every:
         counts.append(statistics.median(count for _, _, count in found[every]))
-        costs.append(beside[every] - beside[None])
+        costs.append(overhead[every] - overhead[None])
         print(f"{every:6g} s {counts[-1]:12g} {costs[-1]:7.3f} s {costs[-1] / max(counts[-1], 1) * 1e3:6.1f} ms "
               f"{costs[-1] / march:12.2%}")
     if len(counts) > 1:  # cost = each * segments + share * march, by least squares; the end is a segment, too

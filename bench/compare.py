@@ -41,27 +41,27 @@ def main():
     parser.add_argument("new")
     parser.add_argument("--filter", default="-small", help="cases; all but the small ones")
     parser.add_argument("--rounds", type=int, default=8)
-    asked = parser.parse_args()
-    found = {asked.old: {}, asked.new: {}}
-    for round_ in range(asked.rounds):
-        for program in (asked.old, asked.new) if round_ % 2 == 0 else (asked.new, asked.old):
-            for name, time in times(program, asked.filter).items():
+    options = parser.parse_args()
+    found = {options.old: {}, options.new: {}}
+    for round_ in range(options.rounds):
+        for program in (options.old, options.new) if round_ % 2 == 0 else (options.new, options.old):
+            for name, time in times(program, options.filter).items():
                 found[program].setdefault(name, []).append(time)
     slower = 0
     print(f"{'case':48} {'old':>10} {'new':>10}  new/old  scatter")
-    for name, old in found[asked.old].items():
-        new = found[asked.new].get(name)
+    for name, old in found[options.old].items():
+        new = found[options.new].get(name)
         if new is None or None in new or None in old:
             print(f"{name:48} {'only in the old program' if new is None else 'failed'}")
             continue
         ratio = statistics.median(new) / statistics.median(old)
         scatter = max(abs(statistics.median(t[::2]) / statistics.median(t[1::2]) - 1)
-                      for t in (old, new)) if asked.rounds > 1 else float("nan")
+                      for t in (old, new)) if options.rounds > 1 else float("nan")
         worse = ratio > 1 + max(0.02, scatter)
         slower += worse
         print(f"{name:48} {statistics.median(old):10.3f} {statistics.median(new):10.3f}  {ratio:7.3f}  "
               f"{scatter:7.3f}{'  slower' if worse else ''}")
-    print(f"{slower} of {len(found[asked.old])} cases are slower")
+    print(f"{slower} of {len(found[options.old])} cases are slower")
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ import numpy as np
 import scipy.stats
 
 SCENES = pathlib.Path(__file__).resolve().parent.parent / "scenes"
-SEVERAL = {  # name: (words, base, speed, duration)
+RUNS = {  # name: (words, base, speed, duration)
     "s1": ("free slider, 0.1 m/s", "dang2012.toml", 0.1, 0.1),
     "s2": ("pinned slider, 0.1 m/s", "dang2012-pinned.toml", 0.1, 0.1),
     "s3": ("free slider, 0.02 m/s", "dang2012.toml", 0.02, 0.1),
@@ -40,18 +40,18 @@ ONE = {
     "q4": ("free slider, 0.02 m/s", "dang2012.toml", 0.02, 1.0)}
 
 
-def study(asked, name, scene, seeds, vary, files):
+def study(options, name, scene, seeds, vary, files):
     """Runs a study and gives its folder."""
     _, base, speed, duration = scene
     keep = '["level", "shocks", "files"]' if files else '["level", "shocks"]'
     text = (f'base = "{SCENES / base}"\nseeds = {seeds}\nkeep = {keep}\n'
             f'[set]\n"scene.duration" = {duration}\n"time.scheme" = "adaptive"\n"time.tolerance" = 1e-6\n'
             f'"output.rate" = 1e4\n' + (f'"scene.speed" = {speed}\n' if files else "") + f"[vary]\n{vary}\n")
-    file = asked.folder / f"{name}.toml"
+    file = options.folder / f"{name}.toml"
     file.write_text(text)
-    subprocess.run([asked.program, "study", file, "-o", asked.folder / name, "--threads", str(asked.threads), "--quiet"],
+    subprocess.run([options.program, "study", file, "-o", options.folder / name, "--threads", str(options.threads), "--quiet"],
                    check=True)
-    return asked.folder / name
+    return options.folder / name
 
 
 def interval(values, positive):
@@ -66,26 +66,26 @@ def held(low, high, truth):
     return 100 * np.mean((low <= truth) & (truth <= high))
 
 
-def same_as_the_program(asked, folder, name, values, positive):
-    said = json.loads(subprocess.run([asked.program, "analyze", folder, "--json"], check=True, capture_output=True,
+def same_as_the_program(options, folder, name, values, positive):
+    said = json.loads(subprocess.run([options.program, "analyze", folder, "--json"], check=True, capture_output=True,
                                      text=True).stdout)["points"][0][name]
     low, high = interval(values[None, :], positive)
     if not np.allclose([said["low"], said["high"]], [low[0], high[0]], rtol=1e-9):
         raise SystemExit(f"coverage: {name}: the program says {said}, the formula {low[0]} to {high[0]}")
 
 
-def of_several(asked, seeds, draws):
+def of_runs(options, seeds, draws):
     dice = np.random.default_rng(1)
     counts = (3, 5, 10, 20)
     print(f"| mean of so many runs, of {seeds} | " + " | ".join(f"level, {n}" for n in counts) + " | " +
           " | ".join(f"rate, {n}" for n in counts) + " |\n|---|" + 8 * "--:|")
     least = 100
-    for name, scene in SEVERAL.items():
-        folder = study(asked, name, scene, seeds, f'speed = {{ key = "scene.speed", values = [{scene[2]}] }}', False)
+    for name, scene in RUNS.items():
+        folder = study(options, name, scene, seeds, f'speed = {{ key = "scene.speed", values = [{scene[2]}] }}', False)
         with h5py.File(folder / "results.h5") as table:
             level, rate = table["level"][...].ravel(), table["shock_rate"][...].ravel()
-        same_as_the_program(asked, folder, "lv", level, False)
-        same_as_the_program(asked, folder, "shock_rate", rate, True)
+        same_as_the_program(options, folder, "lv", level, False)
+        same_as_the_program(options, folder, "shock_rate", rate, True)
         cells = []
         for values, positive in ((level, False), (rate, True)):
             for n in counts:
@@ -96,16 +96,16 @@ def of_several(asked, seeds, draws):
     return least
 
 
-def of_one(asked, scenes, sliders, plates):
+def of_one(options, scenes, sliders, plates):
     print(f"\n| one run, of {sliders} sliders on {plates} plates | level, the slider's truth | level, of all "
           "| rate, the slider's truth | rate, of all |\n|---|" + 4 * "--:|")
     for name, scene in scenes.items():
         values = ", ".join(str(101 + i) for i in range(plates))
-        folder = study(asked, name, scene, sliders, f'plate = {{ key = "resonator.surface.seed", values = [{values}] }}', True)
+        folder = study(options, name, scene, sliders, f'plate = {{ key = "resonator.surface.seed", values = [{values}] }}', True)
         with h5py.File(folder / "results.h5") as table:
             files = [folder / file.decode() for file in table["file"][...].ravel()]
             shape = table["v_rms"].shape  # plates, sliders
-        said = json.loads(subprocess.run([asked.program, "analyze", *files, "--json"], check=True, capture_output=True,
+        said = json.loads(subprocess.run([options.program, "analyze", *files, "--json"], check=True, capture_output=True,
                                          text=True).stdout)["files"]
         cells = []
         for value, low_high in ((lambda f: f["lv"], lambda f: f["lv_interval"]),
@@ -123,19 +123,19 @@ def main():
     parser.add_argument("--folder", type=pathlib.Path)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--short", action="store_true")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        asked.folder = asked.folder or pathlib.Path(temporary)
-        if asked.short:
-            for name, scene in SEVERAL.items():
-                SEVERAL[name] = (*scene[:3], 0.01)
-            least = of_several(asked, 24, 400)
-            of_one(asked, {"q1": (*ONE["q1"][:3], 0.8)}, 2, 2)
+        options.folder = options.folder or pathlib.Path(temporary)
+        if options.short:
+            for name, scene in RUNS.items():
+                RUNS[name] = (*scene[:3], 0.01)
+            least = of_runs(options, 24, 400)
+            of_one(options, {"q1": (*ONE["q1"][:3], 0.8)}, 2, 2)
             if not least > 70:  # of 24 runs drawn again and again the truth is not known better
                 raise SystemExit(f"coverage: an interval holds the truth in {least} %")
         else:
-            of_several(asked, 1000, 20_000)
-            of_one(asked, ONE, 24, 10)
+            of_runs(options, 1000, 20_000)
+            of_one(options, ONE, 24, 10)
 
 
 if __name__ == "__main__":

@@ -76,16 +76,16 @@ def main():
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--quick", action="store_true")
     how.add_argument("--renew", action="store_true")
-    asked = parser.parse_args()
-    now = count(asked.program.resolve(), asked.ptx.resolve(), asked.quick)
+    options = parser.parse_args()
+    now = count(options.program.resolve(), options.ptx.resolve(), options.quick)
     print(json.dumps(now, indent=2))
-    if asked.renew:
+    if options.renew:
         KEPT.write_text(json.dumps(now, indent=2) + "\n")
         return 0
-    faults = list(rises(now, json.loads(KEPT.read_text()), QUICK if asked.quick else QUICK + MACHINE))
+    faults = list(rises(now, json.loads(KEPT.read_text()), QUICK if options.quick else QUICK + MACHINE))
     if faults:
         print("A GPU would have more to do:\n  " + "\n  ".join(faults) + "\nWhere this is on purpose, renew the counts "
-              f"and commit them: bench/device_counts.py --renew {asked.program} {asked.ptx}", file=sys.stderr)
+              f"and commit them: bench/device_counts.py --renew {options.program} {options.ptx}", file=sys.stderr)
     return 1 if faults else 0
 
 

@@ -71,32 +71,32 @@ def main():
     parser.add_argument("--only", default="")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("-o", "--output", type=pathlib.Path)
-    asked = parser.parse_args()
+    options = parser.parse_args()
 
-    listed = asked.build / "compile_commands.json"
+    listed = options.build / "compile_commands.json"
     if not listed.exists():
         raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset cuda)")
     entries = [e for e in json.loads(listed.read_text())
-               if re.search(r"/generated/march_\w+\.cpp$", e["file"]) and asked.only in e["file"]]
+               if re.search(r"/generated/march_\w+\.cpp$", e["file"]) and options.only in e["file"]]
     if not entries or "-arch=" not in entries[0]["command"]:
-        raise SystemExit(f"{asked.build} is not configured for CUDA: cmake --preset cuda")
-    wrapper = asked.build.resolve() / "_deps/kokkos-src/bin/nvcc_wrapper"
-    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        raise SystemExit(f"{options.build} is not configured for CUDA: cmake --preset cuda")
+    wrapper = options.build.resolve() / "_deps/kokkos-src/bin/nvcc_wrapper"
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         marches = {}
-        for found in pool.map(lambda e: compile_march(e, wrapper, asked.architecture, asked.registers), entries):
+        for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture, options.registers), entries):
             marches.update(found)
 
-    print(f"| march, {asked.architecture} | modes | registers | stack, bytes | spilled, bytes | shared memory, bytes "
-          f"| scenes on a multiprocessor | on {asked.multiprocessors} |")
+    print(f"| march, {options.architecture} | modes | registers | stack, bytes | spilled, bytes | shared memory, bytes "
+          f"| scenes on a multiprocessor | on {options.multiprocessors} |")
     print("|---|---|---|---|---|---|---|---|")
     rows = []
     for form, packs in sorted(marches, key=lambda march: (FORMS.index(march[0]), march[1])):
         m = marches[form, packs]
         rows.append([form, WARP * packs, m["registers"], m["stack"], m["spilled"], m["shared"], m["scenes"],
-                     m["scenes"] * asked.multiprocessors])
+                     m["scenes"] * options.multiprocessors])
         print("| " + " | ".join(str(cell) for cell in rows[-1]) + " |")
-    if asked.output:
-        with asked.output.open("w", newline="") as file:
+    if options.output:
+        with options.output.open("w", newline="") as file:
             writer = csv.writer(file)
             writer.writerow(["march", "modes", "registers", "stack", "spilled", "shared", "scenes_on_multiprocessor",
                              "scenes_on_card"])

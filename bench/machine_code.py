@@ -169,9 +169,9 @@ class MachineCode:
             for at in block:
                 found[self._code(at) & 0x1FF] += runs
 
-        def known(begin):
+        def times_of(begin):
             return sum(runs for line, runs in times.items() if self.opcodes[line].startswith(begin)
                        and ".local" not in self.opcodes[line])
-        pairs = [(known("shfl."), found[EXCHANGE]), (known("ld."), sum(found[code] for code in LOADS)),
-                 (known("st."), sum(found[code] for code in STORES))]
+        pairs = [(times_of("shfl."), found[EXCHANGE]), (times_of("ld."), sum(found[code] for code in LOADS)),
+                 (times_of("st."), sum(found[code] for code in STORES))]
         return total, max((abs(counted / true - 1) for true, counted in pairs if true), default=0)

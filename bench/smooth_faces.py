@@ -57,12 +57,12 @@ COLUMNS = {
 class Run:
     """A run of the paper's scene with other keys; its numbers."""
 
-    def __init__(self, asked, folder, seed, scheme, **keys):
+    def __init__(self, options, folder, seed, scheme, **keys):
         self.file = pathlib.Path(folder) / "run.h5"
-        settings = {"scene.duration": asked.duration, **scheme, **keys}
+        settings = {"scene.duration": options.duration, **scheme, **keys}
         if "slider.surface" not in keys:
             settings |= {"resonator.surface.seed": 2 * seed, "slider.surface.seed": 2 * seed - 1}
-        words = [asked.program, "run", SCENE, "--quiet", "--force", "-o", self.file]
+        words = [options.program, "run", SCENE, "--quiet", "--force", "-o", self.file]
         for key, value in settings.items():
             words += ["--set", f"{key}={value}"]
         with tempfile.TemporaryFile() as said:
@@ -96,39 +96,39 @@ class Run:
         return float(line), float(around)
 
 
-def scheme_of(asked, faces):
+def scheme_of(options, faces):
     """Of smooth faces the fixed scheme with --fixed; else adaptive."""
-    if faces == "smooth" and asked.fixed:
-        return {"time.scheme": "exact", "time.step": asked.fixed}
+    if faces == "smooth" and options.fixed:
+        return {"time.scheme": "exact", "time.step": options.fixed}
     return {"time.scheme": "adaptive", "time.tolerance": TOLERANCE}
 
 
-def spacings_of(asked, faces):
-    return [s * 1e-6 for s in (asked.spacings or ([32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
+def spacings_of(options, faces):
+    return [s * 1e-6 for s in (options.spacings or ([32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
 
 
-def convergence(asked):
-    for seed in range(1, asked.seeds + 1):
-        for stiffness in asked.stiffness:
+def convergence(options):
+    for seed in range(1, options.seeds + 1):
+        for stiffness in options.stiffness:
             for faces in ("smooth", "linear"):
-                for spacing in spacings_of(asked, faces):
+                for spacing in spacings_of(options, faces):
                     key = {"stiffness": stiffness, "faces": faces, "spacing": spacing, "seed": seed}
 
                     def run(folder, seed=seed, stiffness=stiffness, faces=faces, spacing=spacing):
-                        return [Run(asked, folder, seed, scheme_of(asked, faces), **{
+                        return [Run(options, folder, seed, scheme_of(options, faces), **{
                             "contact.stiffness": stiffness, "scene.faces": faces, "scene.spacing": spacing}).numbers()]
                     yield key, run
 
 
-def tone(asked):
-    spacings = [s * 1e-6 for s in (asked.spacings or [8, 16, 32])]
-    for seed in range(1, asked.seeds + 1):
+def tone(options):
+    spacings = [s * 1e-6 for s in (options.spacings or [8, 16, 32])]
+    for seed in range(1, options.seeds + 1):
         for faces in ("smooth", "linear"):
             for spacing in spacings:
                 key = {"faces": faces, "spacing": spacing, "seed": seed}
 
                 def run(folder, seed=seed, faces=faces, spacing=spacing):
-                    made = Run(asked, folder, seed, scheme_of(asked, faces), **{
+                    made = Run(options, folder, seed, scheme_of(options, faces), **{
                         "scene.faces": faces, "scene.spacing": spacing})
                     rows = []
                     for other in spacings:
@@ -138,37 +138,37 @@ def tone(asked):
                 yield key, run
 
 
-def parts(asked):
-    for seed in range(1, asked.seeds + 1):
+def parts(options):
+    for seed in range(1, options.seeds + 1):
         for resonator in ("chords", "spline"):
             for slider in ("nodes", "spline"):
                 key = {"resonator": resonator, "slider": slider, "seed": seed}
 
                 def run(folder, seed=seed, resonator=resonator, slider=slider):
                     keys = {"scene.spacing": 1e-6, "contact.stiffness": 8e15 if slider == "nodes" else 1e15}
-                    for body, way in (("resonator", resonator), ("slider", slider)):
-                        path = write_face(asked, folder, body, way, seed)
+                    for body, face in (("resonator", resonator), ("slider", slider)):
+                        path = write_face(options, folder, body, face, seed)
                         keys[f"{body}.surface"] = f'{{ kind = "file", path = "{path}", x_unit = "m", z_unit = "m" }}'
-                    made = Run(asked, folder, seed, scheme_of(asked, "linear"), **keys)
+                    made = Run(options, folder, seed, scheme_of(options, "linear"), **keys)
                     line, around = made.tone(12.5e3)
                     return [{"frequency": 12.5e3, "line": line, "around": around}]
                 yield key, run
 
 
-def write_face(asked, folder, body, way, seed):
+def write_face(options, folder, body, face, seed):
     """The heights of a body at every 1 um, from those every 8 um."""
     coarse, fine = pathlib.Path(folder) / f"{body}-coarse.csv", pathlib.Path(folder) / f"{body}.txt"
     number = 2 * seed if body == "resonator" else 2 * seed - 1
-    words = [asked.program, "surface", "generate", "--length", "0.3" if body == "resonator" else "0.02", "--spacing", "8e-6",
+    words = [options.program, "surface", "generate", "--length", "0.3" if body == "resonator" else "0.02", "--spacing", "8e-6",
              "--rq", "8e-6", "--rsm", "1.55e-3", "--seed", str(number), "-o", str(coarse)]
     subprocess.run(words, check=True, capture_output=True)
     x, z = numpy.loadtxt((line for line in open(coarse) if line[0] in "-.0123456789"), delimiter=",", unpack=True)
     between = numpy.linspace(x[0], x[-1], 8 * (len(x) - 1) + 1)
-    if way == "chords":
+    if face == "chords":
         heights = numpy.interp(between, x, z)
     else:
         heights = scipy.interpolate.CubicSpline(x, z, bc_type="not-a-knot")(between)
-    if way == "nodes":
+    if face == "nodes":
         heights[numpy.arange(len(heights)) % 8 != 0] -= 4e-7  # contacts are some nm deep
     numpy.savetxt(fine, numpy.column_stack([between, heights]), fmt="%.17g")
     return fine
@@ -178,12 +178,12 @@ def same(row, key):
     return all(row[name] == str(value) for name, value in key.items())
 
 
-def run_all(asked, rows):
+def run_all(options, rows):
     """The runs whose rows are missing; a row is written as its run ends."""
-    columns = COLUMNS[asked.case]
-    todo = [(key, run) for key, run in CASES[asked.case](asked)
-            if not any(same(row, key | {"duration": asked.duration}) for row in rows)]
-    with open(asked.out, "a", newline="") as file, concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+    columns = COLUMNS[options.case]
+    todo = [(key, run) for key, run in CASES[options.case](options)
+            if not any(same(row, key | {"duration": options.duration}) for row in rows)]
+    with open(options.out, "a", newline="") as file, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         table = csv.DictWriter(file, columns)
         if file.tell() == 0:
             table.writeheader()
@@ -194,7 +194,7 @@ def run_all(asked, rows):
                 return key, run(folder)
         for key, found in pool.map(one, todo):
             for row in found:
-                table.writerow(key | {"duration": asked.duration} | row)
+                table.writerow(key | {"duration": options.duration} | row)
             file.flush()
             print(", ".join(f"{name} {value:g}" if isinstance(value, float) else f"{name} {value}"
                             for name, value in (key | found[0]).items()), flush=True)
@@ -343,23 +343,23 @@ def main():
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--summary", action="store_true")
     parser.add_argument("--chart", metavar="FILE", help="convergence: draws it, too")
-    asked = parser.parse_args()
-    asked.out = pathlib.Path(asked.out or pathlib.Path(__file__).parent / f"smooth_faces_{asked.case}.csv")
-    asked.program = str(pathlib.Path(asked.program).resolve())
+    options = parser.parse_args()
+    options.out = pathlib.Path(options.out or pathlib.Path(__file__).parent / f"smooth_faces_{options.case}.csv")
+    options.program = str(pathlib.Path(options.program).resolve())
 
     def rows():
-        return list(csv.DictReader(open(asked.out))) if asked.out.exists() else []
-    if not asked.summary:
-        run_all(asked, rows())
-    found = [row for row in rows() if float(row["duration"]) == asked.duration and int(row["seed"]) <= asked.seeds]
+        return list(csv.DictReader(open(options.out))) if options.out.exists() else []
+    if not options.summary:
+        run_all(options, rows())
+    found = [row for row in rows() if float(row["duration"]) == options.duration and int(row["seed"]) <= options.seeds]
     if not found:
-        sys.exit(f"no rows of {asked.duration:g} s in {asked.out}")
-    if asked.case == "convergence":
+        sys.exit(f"no rows of {options.duration:g} s in {options.out}")
+    if options.case == "convergence":
         summarize_convergence(found)
-        if asked.chart:
-            draw_convergence(found, asked.chart)
+        if options.chart:
+            draw_convergence(found, options.chart)
     else:
-        summarize_tone(found, ["faces", "spacing"] if asked.case == "tone" else ["resonator", "slider"])
+        summarize_tone(found, ["faces", "spacing"] if options.case == "tone" else ["resonator", "slider"])
 
 
 main()

@@ -75,16 +75,16 @@ def main():
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--most", type=float, default=float("inf"))
     parser.add_argument("--folder", help="where the studies stand while they run [the system's own for such]")
-    asked = parser.parse_args()
-    program = os.path.abspath(asked.program)
+    options = parser.parse_args()
+    program = os.path.abspath(options.program)
     rows = []
     print(f"{'runs':>8} {'peak':>10} {'time':>9} {'again: peak':>12} {'time':>9} {'ledger':>12}")
-    for runs in asked.runs:
-        with tempfile.TemporaryDirectory(dir=asked.folder) as place:
+    for runs in options.runs:
+        with tempfile.TemporaryDirectory(dir=options.folder) as place:
             folder = pathlib.Path(place)
             (folder / "base.toml").write_text(BASE)
             (folder / "study.toml").write_text(f'base = "base.toml"\nseeds = {runs}\n')
-            words = [program, "study", "study.toml", "-o", "out", "--threads", str(asked.threads)]
+            words = [program, "study", "study.toml", "-o", "out", "--threads", str(options.threads)]
             first, again = measured(words, folder), measured(words, folder)
             ledger = (folder / "out/ledger/all.log").stat().st_size
         rows.append((runs, first[0], again[0], ledger))
@@ -95,8 +95,8 @@ def main():
         names = ("memory of a first run", "memory of the line again", "ledger")
         print("each run beyond: " + ", ".join(f"{(b - a) / (many - few):.0f} B of {name}"
                                               for name, a, b in zip(names, least, most)))
-        if max(b - a for a, b in zip(least[:2], most[:2])) > asked.most * (many - few):
-            raise SystemExit(f"that is more than {asked.most:g} B of memory")
+        if max(b - a for a, b in zip(least[:2], most[:2])) > options.most * (many - few):
+            raise SystemExit(f"that is more than {options.most:g} B of memory")
 
 
 if __name__ == "__main__":

@@ -112,19 +112,19 @@ def main():
     words = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     words.add_argument("files", nargs="+", metavar="FILE.json")
     words.add_argument("--picture", help="draws it: .svg, .png or .pdf")
-    asked = words.parse_args()
-    if asked.picture and pathlib.Path(asked.picture).suffix not in (".svg", ".png", ".pdf"):
+    options = words.parse_args()
+    if options.picture and pathlib.Path(options.picture).suffix not in (".svg", ".png", ".pdf"):
         words.error("--picture: a name that ends in .svg, .png or .pdf")
-    if len(asked.files) > 3:
+    if len(options.files) > 3:
         words.error("three files at the most: of the GPU, of one core, of all cores")
-    context, cases = read(asked.files[0])
-    one = read(asked.files[1])[1] if len(asked.files) > 1 else {}
-    all_cores = read(asked.files[2])[1] if len(asked.files) > 2 else {}
+    context, cases = read(options.files[0])
+    one = read(options.files[1])[1] if len(options.files) > 1 else {}
+    all_cores = read(options.files[2])[1] if len(options.files) > 2 else {}
     where = context.get("device") or f"{context.get('threads')} threads of a CPU"
     print(f"Seconds simulated in a second, {where}, {context.get('ra2d')}" + ("; in brackets, over one core" if one else "") + ":\n")
     print(table(cases, one, all_cores))
-    if asked.picture:
-        draw(asked.picture, cases, one, all_cores, where)
+    if options.picture:
+        draw(options.picture, cases, one, all_cores, where)
 
 
 if __name__ == "__main__":

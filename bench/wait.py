@@ -50,14 +50,14 @@ def main():
     parser.add_argument("--runs", type=int, default=15)
     parser.add_argument("--folder", default="/dev/shm")
     parser.add_argument("--set", action="append", default=[])
-    asked = parser.parse_args()
-    settings = ["time.scheme=adaptive", "time.tolerance=1e-6", *asked.set]
+    options = parser.parse_args()
+    settings = ["time.scheme=adaptive", "time.tolerance=1e-6", *options.set]
     print(f"{'ms':<17}{'in all':>8}{'least':>8}{'march':>8}{'back':>8}{'rest':>8}{'processor':>11}")
     for scene in ("dang2012-pinned", "dang2012"):
-        times = {program: [] for program in asked.programs}
-        for _ in range(asked.runs):
+        times = {program: [] for program in options.programs}
+        for _ in range(options.runs):
             for program, found in times.items():
-                found.append(run(program, scene, settings, asked.folder))
+                found.append(run(program, scene, settings, options.folder))
         for program, found in times.items():
             wall, march, back, used = (1e3 * statistics.median(column) for column in zip(*found))
             rest = 1e3 * statistics.median(w - m - b for w, m, b, _ in found)

@@ -283,7 +283,7 @@ class Field {
         cos_(s.modes2),
         falling_(s.modes2),
         rising_(s.modes2),
-        known_(s.cells, 0),
+        stamps_(s.cells, 0),
         u_(s.cells),
         u2_(s.cells),
         shape_(static_cast<std::size_t>(s.modes) * s.cells * 4) {}
@@ -340,13 +340,13 @@ class Field {
   Real x_ = 0;
   long stamp_ = 0;
   Numbers sin_, cos_, falling_, rising_;
-  std::vector<long> known_;
+  std::vector<long> stamps_;
   std::vector<Polynomial> u_, u2_;
   Numbers shape_;
 
   void know(int cell) {
-    if (known_[cell] == stamp_) return;
-    known_[cell] = stamp_;
+    if (stamps_[cell] == stamp_) return;
+    stamps_[cell] = stamp_;
     Polynomial &u = u_[cell], &u2 = u2_[cell];
     u = u2 = Polynomial{};
     u.terms = u2.terms = s.terms;

@@ -13,11 +13,11 @@ import numpy as np
 from scipy import stats
 
 import common
-from law import WAY, both, study
+from law import DISTANCE, both, study
 from law import SPEEDS as FASTER
 
 SPEEDS = (0.005, *FASTER)         # m/s
-LEAST_WAY, FAR = 0.01, 0.1        # m: a slow run goes on until the slider has come so far; how far the slowest does once
+LEAST_DISTANCE, FAR = 0.01, 0.1        # m: a slow run goes on until the slider has come so far; how far the slowest does once
 RQ = (2e-6, 8e-6, 20e-6)          # m
 USUAL = 8e-6                      # m, the scene's
 WEIGHT = 7800 * 0.02**3 * 9.80665  # N
@@ -41,7 +41,7 @@ QUANTITIES = ("shock_rate", "shock_duration_median", "peak_force_median")
 
 
 def lasts(_, speed):
-    return min(max(1.0, LEAST_WAY / speed), WAY / speed)
+    return min(max(1.0, LEAST_DISTANCE / speed), DISTANCE / speed)
 
 
 def runs(case, name, sets, seeds=SEEDS, speeds=SPEEDS, rq=RQ, lasts=lasts):
@@ -177,7 +177,7 @@ def report(case, base, tables):
         some = [change.factor("shock_rate")[0] for name in ("kappa-14", "kappa-16", "kappa-17") for change in by_share[name][which]]
         case.text(f"stiff-{edge}", f"{max(max(some), 1 / min(some)):.1f}")
     case.text("seeds", f"{SEEDS}")
-    case.text("least-way", f"{1e3 * LEAST_WAY:g}")
+    case.text("least-way", f"{1e3 * LEAST_DISTANCE:g}")
     case.text("runs", f"{sum(table.level.size for found in (base, *tables.values()) for table in found.values())}")
     case.table(("choice", "Rq, m", "load, N", "V, m/s", "share of the time in contact, as it is", "level, dB", "half of its 95 % interval",
                 *(f"{what}, factor{end}" for what in QUANTITIES for end in ("", ", from", ", to"))),

@@ -60,9 +60,9 @@ def scene_text(scene):
 
 
 class Case:
-    def __init__(self, name, asked, folder):
-        self.name, self.short, self.folder = name, asked.short, asked.folder
-        self.program, self.peers = asked.program, asked.peers
+    def __init__(self, name, options, folder):
+        self.name, self.short, self.folder = name, options.short, options.folder
+        self.program, self.peers = options.program, options.peers
         self.scratch = pathlib.Path(folder)
         self.checks, self.texts, self.rows, self.picture = {}, {}, None, None
 
@@ -92,8 +92,8 @@ class Case:
     def check(self, what, value, most, why):
         """A number and its bound. `why`: where the bound comes from. Of several of one name the nearest to its bound
         counts, or the first beyond."""
-        value, most, known = float(value), float(most), self.checks.get(what)
-        if known is None or known[0] <= known[1] and not value / most <= known[0] / known[1]:
+        value, most, previous = float(value), float(most), self.checks.get(what)
+        if previous is None or previous[0] <= previous[1] and not value / most <= previous[0] / previous[1]:
             self.checks[what] = (value, most, why)
 
     def text(self, name, value, digits=2):
@@ -143,9 +143,9 @@ def main(name, compare):
     parser.add_argument("--short", action="store_true", help="a part of it, for the tests; writes nothing")
     parser.add_argument("--peers", help="ra2d_peers; without it what needs it is left out")
     parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "docs" / "validation")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        case = Case(name, asked, folder)
+        case = Case(name, options, folder)
         compare(case)
     for what, (value, most, why) in case.checks.items():
         print(f"{name}: {what}: {value:.3g}, at most {most:.3g}")

@@ -204,9 +204,9 @@ def report(case, found):
 
 def draw(case, found, points):
     plt, style = common.pictures()
-    figure, (left, right, beside) = plt.subplots(1, 3, figsize=(10.5, 4), layout="constrained", width_ratios=(1, 1, 0.5))
-    looks = zip([*style.SERIES, style.GREY], [*style.MARKS, "<"], [*style.LINES, "-"])
-    for ((name, damping), by_length), (colour, mark, line) in zip(found.items(), looks):
+    figure, (left, right, legend_axes) = plt.subplots(1, 3, figsize=(10.5, 4), layout="constrained", width_ratios=(1, 1, 0.5))
+    styles = zip([*style.SERIES, style.GREY], [*style.MARKS, "<"], [*style.LINES, "-"])
+    for ((name, damping), by_length), (colour, mark, line) in zip(found.items(), styles):
         middle, half = zip(*(mean(decibels(runs)) for runs in by_length.values()))
         left.errorbar([1e3 * length for length in by_length], middle, yerr=half, color=colour, marker=mark, ls=line, ms=4, lw=1.1,
                       capsize=2, label=f"{name}, {damping:g}")
@@ -223,8 +223,8 @@ def draw(case, found, points):
     right.plot([0, 1], [0, 1], color=style.BLACK, lw=0.8)
     right.set(title="Exponent of each doubling (line: the law)", xlabel="plate's share of the loss, from a tenth of its damping",
               ylabel="exponent of the energy")
-    beside.set_axis_off()
-    beside.legend(*left.get_legend_handles_labels(), loc="center left", frameon=False)
+    legend_axes.set_axis_off()
+    legend_axes.legend(*left.get_legend_handles_labels(), loc="center left", frameon=False)
     case.figure(figure)
 
 

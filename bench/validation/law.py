@@ -20,7 +20,7 @@ from plate import LENGTH, MASS_PER_LENGTH, omegas, shapes, waves
 RQ = (2e-6, 4e-6, 8e-6, 12e-6, 20e-6)         # m, the paper's
 SPEEDS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)    # m/s
 SLOW = 0.1                                    # m/s: up to here every run lasts a second, as in the paper
-WAY = 0.175                                   # m: what the slider has before it, from scene.start
+DISTANCE = 0.175                                   # m: what the slider has before it, from scene.start
 MIDDLE, HALF = 0.11, 0.01                     # m: the slider's middle at the start, half of its length
 DAMPING = 0.02
 SEEDS, FEW = 10, 5                            # of the scene itself, of its variants
@@ -66,7 +66,7 @@ VARIANTS = {
 
 
 def lasts(name, speed):
-    return WAY / speed if name == "way" else min(1.0, WAY / speed)
+    return DISTANCE / speed if name == "way" else min(1.0, DISTANCE / speed)
 
 
 def study_text(name, seeds, rq=RQ, speeds=SPEEDS, sets=None, keep=("level", "shocks"), lasts=lasts):
@@ -158,7 +158,7 @@ def passage(load, speed):
     rest, bent by the force, so it rings a little."""
     omega, drive = omegas(19), waves(19) * speed
     pole = omega * (1j * np.sqrt(1 - DAMPING**2) - DAMPING)
-    t = np.linspace(0, min(1.0, WAY / speed), 10001)[:, None]
+    t = np.linspace(0, min(1.0, DISTANCE / speed), 10001)[:, None]
     forced = (load * np.sqrt(2 / LENGTH) / MASS_PER_LENGTH * np.exp(1j * waves(19) * MIDDLE)
               / (omega**2 - drive**2 + 2j * DAMPING * omega * drive))
     u = load * shapes(19, MIDDLE) / (MASS_PER_LENGTH * omega**2) - forced.imag  # of the ring, at the start
@@ -308,7 +308,7 @@ def report(case, tables, law, ring, later):
         ("Rq, um", *speeds),
         [(f"{1e6 * rq:.0f}", *(f"{share.sel(rq=rq, speed=v).item():.2f}" for v in SPEEDS)) for rq in RQ]))
     the_start(case, tables, ring, later)
-    the_way(case, tables)
+    the_distance(case, tables)
     for load in (10, 100, 1000):
         table = tables[f"load-{load}"].sel(speed=0.5)
         case.text(f"passage-{load}", f"{passage(load, 0.5):.1f}")
@@ -334,25 +334,25 @@ def the_start(case, tables, ring, later):
         [*((f"n at {v:g} m/s", *(shown(*n_at(table, v)) for table in of)) for v in SPEEDS),
          ("runs off one n and one m by, dB: V <= 0.1 m/s", *(f"{fits(slow(table))[1].std():.1f}" for table in of)),
          ("the same, all speeds", *(f"{fits(table)[1].std():.1f}" for table in of))]))
-    together = noise.copy()
-    together["v_rms"] = np.sqrt(noise.v_rms**2 + still.v_rms**2)
-    found = exponents(together)
+    both_powers = noise.copy()
+    both_powers["v_rms"] = np.sqrt(noise.v_rms**2 + still.v_rms**2)
+    found = exponents(both_powers)
     for key in ("n", "m"):
         case.text(f"{key}-together", shown(*found[key]))
-    apart, half = mean(20 * np.log10(rest.v_rms / together.v_rms).mean(("rq", "speed")).values)
+    apart, half = mean(20 * np.log10(rest.v_rms / both_powers.v_rms).mean(("rq", "speed")).values)
     case.text("together-apart", f"{apart:.2f} ± {half:.2f}")
     case.check("from rest, V <= 0.1 m/s: mean level beside the powers of noise and ring, dB", abs(apart), half,
                "powers of independent motions add; the seeds' 95 % interval")
 
 
-def the_way(case, tables):
+def the_distance(case, tables):
     """What a short way does: levels of the same seeds over a second and over the whole way, and how seeds spread."""
-    base, way = tables["base"].sel(seed=tables["way"].seed), tables["way"]
+    base, longer = tables["base"].sel(seed=tables["way"].seed), tables["way"]
     rows = []
     for v in SPEEDS:
-        more = (way.level - base.level).sel(speed=v).mean("rq").values
-        spread = [table.level.sel(speed=v).std("seed", ddof=1).mean().item() for table in (base, way)]
-        rows.append((f"{v:g}", f"{1e3 * v * lasts('base', v):.3g}", f"{spread[0]:.1f}", f"{1e3 * WAY:.3g}", f"{spread[1]:.1f}",
+        more = (longer.level - base.level).sel(speed=v).mean("rq").values
+        spread = [table.level.sel(speed=v).std("seed", ddof=1).mean().item() for table in (base, longer)]
+        rows.append((f"{v:g}", f"{1e3 * v * lasts('base', v):.3g}", f"{spread[0]:.1f}", f"{1e3 * DISTANCE:.3g}", f"{spread[1]:.1f}",
                      "{:+.1f} ± {:.1f}".format(*mean(more)) if lasts("base", v) < lasts("way", v) else "the same run"))
     case.text("way", common.markdown(("V, m/s", "slides, mm", "seeds spread by, dB", "slides farther, mm", "seeds spread by, dB",
                                       "mean level, farther less shorter, dB"), rows))

@@ -99,9 +99,9 @@ def compare(case):
     colours = dict(zip(ratios, (style.BLUE, style.RUST, style.GREEN, style.PLUM)))
     for ratio in ratios:
         time, probe, exact = curves[ratio, "adaptive"]
-        way = time * ratio * CRITICAL_SPEED / LENGTH
-        upper.plot(way, 1e3 * exact, color=colours[ratio], lw=1.2, label=f"{ratio} of critical")
-        upper.plot(way[::8], 1e3 * probe[::8], "o", color=colours[ratio], ms=3, mfc="none")
+        place = time * ratio * CRITICAL_SPEED / LENGTH
+        upper.plot(place, 1e3 * exact, color=colours[ratio], lw=1.2, label=f"{ratio} of critical")
+        upper.plot(place[::8], 1e3 * probe[::8], "o", color=colours[ratio], ms=3, mfc="none")
         for scheme, line in (("backward-euler", "-"), ("adaptive", ":")):
             time, probe, exact = curves[ratio, scheme]
             lower.semilogy(time[1:] * ratio * CRITICAL_SPEED / LENGTH, (np.abs(probe - exact) / np.abs(exact).max())[1:],

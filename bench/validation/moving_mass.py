@@ -69,8 +69,8 @@ class Crossing:
 
     def forces(self, time, q, v):
         """q'' and the force between mass and beam [N]."""
-        psi, slope, bend = (shapes(self.modes, self.where(time), d) for d in range(3))
-        convective = self.mass * (2 * self.speed * slope @ v + self.speed**2 * bend @ q)
+        psi, slope, bending = (shapes(self.modes, self.where(time), d) for d in range(3))
+        convective = self.mass * (2 * self.speed * slope @ v + self.speed**2 * bending @ q)
         free = -omegas(self.modes)**2 * q - psi / MASS_PER_LENGTH * (self.weight + convective)
         share = self.mass / MASS_PER_LENGTH
         a = free - psi * (share * (psi @ free) / (1 + share * (psi @ psi)))
@@ -160,15 +160,15 @@ class Crossing:
         exact = self.deflection(solution, time)
         off = self.lift_off(solution)
         difference = np.abs(probe - exact) / np.abs(exact).max()
-        together = time <= (self.duration if off is None else min(off, self.last_touch(marched, off)))
-        return difference[together].max(), difference[~together].max(initial=0)
+        in_contact = time <= (self.duration if off is None else min(off, self.last_touch(marched, off)))
+        return difference[in_contact].max(), difference[~in_contact].max(initial=0)
 
     def blow_of_lift_off(self, off, solution, kappa):
         """What the middle's deflection may differ by after lift-off, over the largest: the weight for a period of the
         contact more or less is a blow, after which mode k swings by blow psi_k/(mu omega_k)."""
         blow = self.weight * self.period(kappa)
-        swing = np.abs(self.middle * shapes(self.modes, self.where(off))) / (MASS_PER_LENGTH * omegas(self.modes))
-        return blow * swing.sum() / np.abs(self.deflection(solution, np.linspace(0, self.duration, 401))).max()
+        amplitude = np.abs(self.middle * shapes(self.modes, self.where(off))) / (MASS_PER_LENGTH * omegas(self.modes))
+        return blow * amplitude.sum() / np.abs(self.deflection(solution, np.linspace(0, self.duration, 401))).max()
 
     def last_touch(self, marched, off):
         """When the marched mass lifts off for good [s]: the end of the last contact before it flies for longer than half
@@ -198,7 +198,7 @@ class Found:
     force: float      # difference of a constant force instead of the mass
 
 
-def beside(case, crossing, solution, kappas):
+def compare_crossing(case, crossing, solution, kappas):
     """Runs a mass under both springs and compares; hands the case its checks."""
     soft, stiff = (crossing.marched(case, kappa) for kappa in kappas)
     (of_soft, _), (of_stiff, after) = (crossing.differences(marched, solution) for marched in (soft, stiff))
@@ -257,13 +257,13 @@ def against_steps(case, crossing, solution, schemes, steps):
 def compare(case):
     if case.short:
         for crossing in (Crossing(0.5, 0.6, modes=5, spacing=1e-5), Crossing(1.0, 0.3, modes=5, spacing=1e-5)):
-            beside(case, crossing, crossing.constrained(), (1e16, 1e17))
+            compare_crossing(case, crossing, crossing.constrained(), (1e16, 1e17))
         against_spring(case, Crossing(0.1, 0.6, modes=5, spacing=1e-5), 1e13)
         against_steps(case, crossing, crossing.constrained(), ("backward-euler", "midpoint"), (1e-6, 1e-7))
         return
     crossings = [Crossing(mass, speed) for mass in (0.1, 0.5, 1.0, 2.0) for speed in (0.05, 0.1, 0.3, 0.6, 1.0)]
     solutions = [crossing.constrained() for crossing in crossings]
-    found = [beside(case, crossing, solution, (KAPPA / 10, KAPPA)) for crossing, solution in zip(crossings, solutions)]
+    found = [compare_crossing(case, crossing, solution, (KAPPA / 10, KAPPA)) for crossing, solution in zip(crossings, solutions)]
     against_spring(case, Crossing(0.1, 0.6), 1e14)
     tell_differences(case, found)
     chosen = next(i for i, each in enumerate(found) if np.allclose((each.mass, each.speed), (0.5, 0.6)))

@@ -176,13 +176,13 @@ def main():
     parser.add_argument("--input", nargs=2, metavar=("MESH", "FILE"), help="writes the input of a mesh")
     parser.add_argument("--run", nargs=2, metavar=("CCX", "FOLDER"), help="runs CalculiX and keeps what it finds")
     parser.add_argument("meshes", nargs="*", default=MESHES, help=f"of --run: {', '.join(MESHES)}; all without")
-    asked = parser.parse_args()
-    if asked.input:
-        pathlib.Path(asked.input[1]).write_text(input_text(asked.input[0]))
-    if asked.run:
-        (pathlib.Path(asked.run[1]) / "six-shocks.inp").write_text(input_text(BEST))
+    options = parser.parse_args()
+    if options.input:
+        pathlib.Path(options.input[1]).write_text(input_text(options.input[0]))
+    if options.run:
+        (pathlib.Path(options.run[1]) / "six-shocks.inp").write_text(input_text(BEST))
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:  # each run on one core
-            list(pool.map(lambda mesh: run(asked.run[0], mesh, pathlib.Path(asked.run[1])), asked.meshes))
+            list(pool.map(lambda mesh: run(options.run[0], mesh, pathlib.Path(options.run[1])), options.meshes))
 
 
 if __name__ == "__main__":

@@ -12,14 +12,14 @@ import h5py
 import numpy as np
 
 import common
-from law import HIGH, NUMERICS, WAY, mean, shown
+from law import HIGH, NUMERICS, DISTANCE, mean, shown
 from plate import LENGTH, shapes
 
 RQ, SPEEDS, SEEDS = (2e-6, 8e-6, 20e-6), (0.02, 0.1, 0.5), 3
 WIDTH = 0.2                     # m
 AT = (0.15, 0.1, 0.5)           # m, half a metre above the plate's middle
 AIR, SOUND = 1.2041, 343.232    # kg/m^3, m/s
-REACH, EDGE, SHARPNESS = 133, 0.955, 18.88  # the program's low pass: samples, of half the rate, of Kaiser's window
+FILTER_HALF_LENGTH, EDGE, SHARPNESS = 133, 0.955, 18.88  # the program's low pass: samples, of half the rate, of Kaiser's window
 
 
 def run(case, name, **sets):
@@ -39,16 +39,16 @@ def by_numpy(file, to, cells=(300, 150)):
     lines = np.fft.rfft(velocity, length, axis=0)
     frequency = np.fft.rfftfreq(length, 1 / rate)
     kept = np.zeros(length)
-    kept[np.arange(-REACH, REACH + 1)] = EDGE * np.sinc(EDGE * np.arange(-REACH, REACH + 1)) * np.kaiser(2 * REACH + 1, SHARPNESS)
+    kept[np.arange(-FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)] = EDGE * np.sinc(EDGE * np.arange(-FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)) * np.kaiser(2 * FILTER_HALF_LENGTH + 1, SHARPNESS)
     kept = np.fft.rfft(kept).real
     x = (np.arange(cells[0]) + 0.5) / cells[0] * LENGTH
     y = (np.arange(cells[1]) + 0.5) / cells[1] * WIDTH
-    way = np.sqrt((x[:, None] - AT[0])**2 + (y - AT[1])**2 + AT[2]**2)
+    distance = np.sqrt((x[:, None] - AT[0])**2 + (y - AT[1])**2 + AT[2]**2)
     psi = np.array([shapes(velocity.shape[1], place) for place in x])  # (cell, mode)
     pressure = np.zeros(len(frequency), complex)
     for j, f in enumerate(frequency):
         if kept[j] > 1e-6:
-            wave = (np.exp(-2j * np.pi * f / SOUND * way) / way).sum(axis=1)
+            wave = (np.exp(-2j * np.pi * f / SOUND * distance) / distance).sum(axis=1)
             pressure[j] = 2j * np.pi * f * AIR / (2 * np.pi) * kept[j] * (wave @ psi @ lines[j])
     pressure *= LENGTH / cells[0] * WIDTH / cells[1]
     heard = np.fft.irfft(pressure, length)[:round(to * rate) + 1]
@@ -77,7 +77,7 @@ def compare(case):
     for seed in range(SEEDS):
         for rq in RQ:
             for speed in SPEEDS:
-                sets = {**NUMERICS, "output.rate": 1e5, "scene.speed": speed, "scene.duration": min(1.0, WAY / speed),
+                sets = {**NUMERICS, "output.rate": 1e5, "scene.speed": speed, "scene.duration": min(1.0, DISTANCE / speed),
                         "resonator.surface.rq": rq, "slider.surface.rq": rq, "resonator.surface.seed": 1000 + 2 * seed,
                         "slider.surface.seed": 1001 + 2 * seed}
                 file, found = run(case, "run", **sets)

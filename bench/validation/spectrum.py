@@ -25,7 +25,7 @@ LOADS = (0.01, 0.1, 0.3, 1, 3, 10, 100)       # of the weight
 DURATION, START = 2.0, 0.04                   # s, m: the slider's middle goes from 50 to 250 mm, at 0.1 m/s
 SPACINGS = (32e-6, 16e-6, 14e-6, 8e-6, 4e-6, 2e-6)  # m: of 14 um the tone lies between two natural frequencies
 TONE_LOADS = (1, 100)
-BESIDE, NARROW = 50.0, 4.0                    # Hz: what counts as the tone, and its two lines alone
+SURROUNDINGS, NARROW = 50.0, 4.0                    # Hz: what counts as the tone, and its two lines alone
 LINES = 12.5                                  # Hz, from line to line, for all spacings
 PAPER = tomllib.loads((common.ROOT / "scenes" / "dang2012.toml").read_text())
 SLIDER = PAPER["slider"]
@@ -65,9 +65,9 @@ def attached(place, mass=MASS, tilting=TILTING):
 
 def carried(mass, tilting):
     """How far each mode is moved by a body that rides along, of its frequency; over the slider's way."""
-    way = START + SLIDER["length"] / 2 + np.linspace(0, DURATION * PAPER["scene"]["speed"], 201)
-    weights = np.array([plate.shapes(MODES, place)**2 for place in way])
-    moved = np.array([attached(place, mass, tilting) for place in way]) / NATURAL - 1
+    path = START + SLIDER["length"] / 2 + np.linspace(0, DURATION * PAPER["scene"]["speed"], 201)
+    weights = np.array([plate.shapes(MODES, place)**2 for place in path])
+    moved = np.array([attached(place, mass, tilting) for place in path]) / NATURAL - 1
     return (moved * weights).sum(0) / weights.sum(0)
 
 
@@ -106,7 +106,7 @@ def passing(spacing):
     return PAPER["scene"]["speed"] / spacing
 
 
-def beside(analysis, frequency, most):
+def tone_over_surroundings(analysis, frequency, most):
     """Mean square velocity [(m/s)^2] of the lines that lie no further than `most` [Hz] from a frequency."""
     lines, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
     return density[np.abs(lines - frequency) <= most].sum() * lines[1]
@@ -115,7 +115,7 @@ def beside(analysis, frequency, most):
 def tone(analysis, finest, frequency):
     """The tone's mean square velocity [(m/s)^2]: what the finest mesh has there, on the same surfaces, is noise. The lines to
     either side would not do for it: the noise itself has a peak where the tone stands on a resonance."""
-    return beside(analysis, frequency, BESIDE) - beside(finest, frequency, BESIDE)
+    return tone_over_surroundings(analysis, frequency, SURROUNDINGS) - tone_over_surroundings(finest, frequency, SURROUNDINGS)
 
 
 def rise(analysis, frequency):
@@ -229,11 +229,11 @@ def report(case, found, tones):
         if load == 1:
             case.text("tone-16", plus_minus(*mean(levels[16e-6])))
     narrow = with_spacing(case, 1, 16e-6, lines=1.0)
-    case.text("tone-16-narrow", plus_minus(*mean(decibels([beside(each, passing(16e-6), NARROW) for each in narrow]))))
+    case.text("tone-16-narrow", plus_minus(*mean(decibels([tone_over_surroundings(each, passing(16e-6), NARROW) for each in narrow]))))
     mode = np.abs(NATURAL - passing(16e-6)).argmin() + 1
     case.text("split", mode * PAPER["scene"]["speed"] / (2 * plate.LENGTH))
     case.text("split-mode", f"{mode}")
-    case.text("beside", f"{BESIDE:.0f}")
+    case.text("beside", f"{SURROUNDINGS:.0f}")
     case.text("narrow", f"{NARROW:.0f}")
     case.text("tone", common.markdown(
         ("load / weight", "spacing, um", "tone, Hz", "from the nearest natural frequency", "tone, dB re 1 nm/s",

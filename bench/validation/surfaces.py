@@ -69,7 +69,7 @@ def compare(case):
                 file = generated(case, row, kurtosis, seed)
                 profiles.append(measured(case, file))
                 if seed % 1000 == 0:
-                    beside_numpy(case, kind, row, file, profiles[-1])
+                    against_numpy(case, kind, row, file, profiles[-1])
             found[row, kind] = np.array(profiles)
     normal = np.concatenate([found[row, "normal"] for row in rows])
     bias = max(spread_of_rq(row) for row in rows)
@@ -84,10 +84,10 @@ def compare(case):
         report(case, found)
 
 
-def beside_numpy(case, kind, row, file, profile):
+def against_numpy(case, kind, row, file, profile):
     z = 1e6 * np.loadtxt(file, delimiter=",", skiprows=2, usecols=1)
-    asked = np.abs(by_numpy(z)["Rq"] / row[0] - 1)
-    case.check("Rq over the one asked for, from 1", asked, (z**2).max() / row[0]**2 / len(z), "the weight of one node at an end")
+    options = np.abs(by_numpy(z)["Rq"] / row[0] - 1)
+    case.check("Rq over the one asked for, from 1", options, (z**2).max() / row[0]**2 / len(z), "the weight of one node at an end")
     for name, value in by_numpy(z[:-1]).items():  # the last point begins another sampling length
         case.check("`surface measure` beside the definitions, in numpy", abs(profile[NAMES.index(name)] / value - 1), 1e-10,
                    f"roundings of sums over {len(z)} heights")

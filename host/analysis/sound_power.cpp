@@ -34,7 +34,7 @@ class ResistanceBetween {
   const std::vector<double>& operator()(double frequency) {
     const double place = frequency / apart_;
     const long cell = static_cast<long>(std::floor(place));
-    std::erase_if(known_, [&](const auto& entry) { return entry.first < cell - 2; });
+    std::erase_if(cached_, [&](const auto& entry) { return entry.first < cell - 2; });
     std::fill(found_.begin(), found_.end(), 0.0);
     for (long i = cell - 2; i <= cell + 3; ++i) {
       double weight = 1;
@@ -49,14 +49,14 @@ class ResistanceBetween {
 
  private:
   const std::vector<double>& at(long i) {
-    const auto old = known_.find(i);
-    if (old != known_.end()) return old->second;
-    return known_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_)).first->second;
+    const auto old = cached_.find(i);
+    if (old != cached_.end()) return old->second;
+    return cached_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_)).first->second;
   }
 
   const RadiationResistance& resistance_;
   double apart_;  // Hz
-  std::map<long, std::vector<double>> known_;
+  std::map<long, std::vector<double>> cached_;
   std::vector<double> found_;
 };
 

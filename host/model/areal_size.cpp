@@ -29,9 +29,9 @@ double areal_memory(const Scene& scene) {
   // of a node of the slider: lists of groups, its place among the expanded nodes
   constexpr double lists = 12;  // bytes
   const double rows = map_rows(scene.slider.width, scene.spacing_y.value_or(scene.spacing));
-  const double along = nodes_along(scene), reach = last_node(scene) + 1;
+  const double along = nodes_along(scene), beyond = last_node(scene) + 1;
   const double behind = std::floor(scene.start / scene.spacing);
-  const double maps = along + reach, tables = along + (reach - behind) + along;
+  const double maps = along + beyond, tables = along + (beyond - behind) + along;
   return program_memory + rows * (sizeof(double) * (maps + tables) + lists * along);
 }
 

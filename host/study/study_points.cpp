@@ -116,17 +116,17 @@ class SharedProgress {
   void add(std::size_t points) {
     if (!tell_) return;
     const std::lock_guard lock(mutex_);
-    known_ += points;
+    points_so_far_ += points;
     const auto now = std::chrono::steady_clock::now();
     if (now - reported_at_ < std::chrono::milliseconds(200)) return;
     reported_at_ = now;
-    tell_(known_);
+    tell_(points_so_far_);
   }
 
  private:
   const std::function<void(std::size_t)>& tell_;
   std::mutex mutex_;
-  std::size_t known_ = 0;
+  std::size_t points_so_far_ = 0;
   std::chrono::steady_clock::time_point reported_at_ = std::chrono::steady_clock::now();
 };
 

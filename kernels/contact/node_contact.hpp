@@ -456,8 +456,8 @@ class NodeContact {
     int used = marks_.slots_window == window ? marks_.slots_used : 0;
     bool has_room = true;
     for (int e = 0; e < count; ++e) {
-      const int node = nodes[e], known = node_slot_[node];
-      if (known < used && marks_.slot_node[known] == node) continue;
+      const int node = nodes[e], at_slot = node_slot_[node];
+      if (at_slot < used && marks_.slot_node[at_slot] == node) continue;
       if (used == marks_.slots) {
         has_room = false;
         break;

@@ -180,7 +180,7 @@ SURFACES = [("gaussian", "gaussian"), ("peaks", "peaks"), ("file", "gaussian"), 
             ("flat", "peaks"), ("flat", "flat")]  # resonator, slider
 
 YOUNG, DENSITY = 210e9, 7800.0
-BEND = math.sqrt(YOUNG / 12 / DENSITY)  # m/s: omega = BEND thickness k^2
+DEFLECTION = math.sqrt(YOUNG / 12 / DENSITY)  # m/s: omega = BEND thickness k^2
 
 
 class Scene:
@@ -276,9 +276,9 @@ class Drawer:
         wave2 = (elastic_below + 0.5 * (below == "free")) * math.pi / length2
         wave1 = max(elastic_above + 0.5 * (above == "free"), 0.5) * math.pi / length1
         omega = 2 * math.pi * self.ratio(5e4, 3e5)
-        thick2 = min(max(omega / BEND / wave2**2, length2 / 1000), length2 / 30)
-        thick1 = min(max(0.7 * omega / BEND / wave1**2, length1 / 100), length1)
-        omega = BEND * max(thick2 * wave2**2, thick1 * wave1**2 if elastic_above else 0)
+        thick2 = min(max(omega / DEFLECTION / wave2**2, length2 / 1000), length2 / 30)
+        thick1 = min(max(0.7 * omega / DEFLECTION / wave1**2, length1 / 100), length1)
+        omega = DEFLECTION * max(thick2 * wave2**2, thick1 * wave1**2 if elastic_above else 0)
         width2, width1 = 0.02, 0.01
         damping = self.ratio(*{"explicit-euler": (0.2, 0.6), "exact": (0.05, 0.2)}.get(scheme, (0.005, 0.1)))
 
@@ -322,25 +322,25 @@ class Drawer:
         if above == "rigid":
             for key in ("thickness", "young", "density", "damping", "modes"):
                 del slider[key]
-        bend2 = YOUNG * width2 * thick2**3 / 12 / length2**3
-        bend1 = YOUNG * width1 * thick1**3 / 12 / length1**3
+        deflection2 = YOUNG * width2 * thick2**3 / 12 / length2**3
+        deflection1 = YOUNG * width1 * thick1**3 / 12 / length1**3
         fall = 8 * rq * (self.ratio(30, 100) / duration)**2  # m/s^2: so many bounces as high as the roughness
         if above == "free":
             press = min(mass1 * fall, 0.05 * spring * rq)
             slider["load"] = "weight" if dealt["load"] == "weight" and fall < 100 else press
         elif above == "pinned" and dealt["load"] == "newton":
-            slider["load"] = 384 / 5 * bend1 * rq * self.ratio(0.2, 1)
+            slider["load"] = 384 / 5 * deflection1 * rq * self.ratio(0.2, 1)
         forces = dealt["forces"]
         if flat or pace == "rest":
             forces = max(forces, 2)  # nothing else brings the faces together and apart
         if below == "free" or modes > 64:  # so thin that they alone bring it back
             forces = 2
-            push = min(mass2 * fall, 0.05 * spring * rq)
-            resonator["moving_force"] = [{"force": push / 2, "speed": 0.2 * length2 / duration, "start": at * length2}
+            force = min(mass2 * fall, 0.05 * spring * rq)
+            resonator["moving_force"] = [{"force": force / 2, "speed": 0.2 * length2 / duration, "start": at * length2}
                                          for at in (0.2, 0.6)]
         elif forces:  # one after the other
             resonator["moving_force"] = [
-                {"force": 48 * bend2 * rq * self.ratio(1, 5),
+                {"force": 48 * deflection2 * rq * self.ratio(1, 5),
                  "speed": length2 / duration * forces * self.uniform(0.8, 1.3), "start": -i * length2}
                 for i in range(forces)]
 
@@ -574,9 +574,9 @@ class Case:
         elif old.result.exists():
             self.differences += compare_results(old.result, new.result)
         if old.result.exists():
-            self.look(*read(old.result))
+            self.tally(*read(old.result))
 
-    def look(self, data, attributes):
+    def tally(self, data, attributes):
         """What kind of scene it is, and whether there was something to compare."""
         self.shocks = len(data["shocks/start"])
         self.contact = self.shocks > 0 or bool(np.any(data["contact/nodes"] > 0))
@@ -587,10 +587,10 @@ class Case:
             self.faults.append(f"is meant to have {self.scene.shocks} shocks, and has {self.shocks}")
 
 
-def kinds_of(asked, modes):
+def kinds_of(options, modes):
     """What the scenes differ in, read from a result's own scene."""
-    clock, law, output = asked["time"], asked["contact"]["law"], asked["output"]
-    body, slider = asked["resonator"], asked["slider"]
+    clock, law, output = options["time"], options["contact"]["law"], options["output"]
+    body, slider = options["resonator"], options["slider"]
     adaptive = clock["scheme"] == "adaptive"
     steps = 0 if adaptive else 1 / output["rate"] / clock["step"]  # from sample to sample
     implicit = (clock["scheme"], law, clock["contact_force"]) == ("backward-euler", "penalty", "new")
@@ -604,11 +604,11 @@ def kinds_of(asked, modes):
         "slider": slider["support"],
         "faces": f"{body['surface']['kind']}/{slider['surface']['kind']}",
         "moving forces": len(body.get("moving_force", [])),
-        "slides": "yes" if asked["scene"]["speed"] > 0 else "no",
-        "gap": "touching" if asked["scene"]["gap"] == "touching" else "a number",
+        "slides": "yes" if options["scene"]["speed"] > 0 else "no",
+        "gap": "touching" if options["scene"]["gap"] == "touching" else "a number",
         "load": None if slider["support"] == "rigid" else
                 "weight" if slider["load"] == "weight" else "none" if slider["load"] == 0 else "N",
-        "initial": asked["scene"]["initial"],
+        "initial": options["scene"]["initial"],
         "counted from": "0" if output["from"] == 0 else "later",
         "samples": None if adaptive else "each step" if round(steps, 6) == 1 else
                    "whole steps" if abs(steps - round(steps)) < 1e-6 else "between steps",
@@ -668,30 +668,30 @@ def main():
     parser.add_argument("new", metavar="NEW_PROGRAM")
     parser.add_argument("--keep", metavar="FOLDER", type=pathlib.Path)
     parser.add_argument("--only", metavar="NAME", default="")
-    asked = parser.parse_args()
-    old, new = (str(pathlib.Path(program).resolve()) for program in (asked.old, asked.new))
+    options = parser.parse_args()
+    old, new = (str(pathlib.Path(program).resolve()) for program in (options.old, options.new))
     for program in (old, new):
         if shutil.which(program) is None:
             sys.exit(f"{program} is no program")
     begun = time.monotonic()
-    todo = [scene for scene in scenes() if asked.only in scene.name]
+    todo = [scene for scene in scenes() if options.only in scene.name]
     if not todo:
-        sys.exit(f"no scene has {asked.only!r} in its name")
+        sys.exit(f"no scene has {options.only!r} in its name")
     cases = []
     with tempfile.TemporaryDirectory(prefix="ra2d_bits_") as temporary:
-        root = (asked.keep or pathlib.Path(temporary)).resolve()
+        root = (options.keep or pathlib.Path(temporary)).resolve()
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
             for case in pool.map(lambda scene: Case(scene, old, new, root / scene.name), todo):
                 cases.append(case)
                 report(case, 6 if sum(bool(each.differences) for each in cases) <= 10 else 1)
-                if not asked.keep:
+                if not options.keep:
                     shutil.rmtree(root / case.scene.name)
     text, missing = summary(cases)
     print(text)
-    if not asked.only:
+    if not options.only:
         print("".join(f"MISSING    {each}\n" for each in missing), end="")
     different = sum(bool(case.differences) for case in cases)
-    faulty = sum(bool(case.faults) for case in cases) + (0 if asked.only else len(missing))
+    faulty = sum(bool(case.faults) for case in cases) + (0 if options.only else len(missing))
     print(f"{f'{different} SCENES DIFFER' if different else 'the same, bit for bit'}"
           f"{f'; {faulty} faults of the scenes themselves' if faulty else ''} ({time.monotonic() - begun:.0f} s)")
     return 1 if different or faulty else 0

@@ -132,7 +132,7 @@ class Build:
         for entry in json.loads((folder / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"])
             arguments = shlex.split(entry["command"])
-            for source in self.compiled_together(path) or [path]:
+            for source in self.unity_members(path) or [path]:
                 if source.is_relative_to(self.folder / "host"):
                     name = source.relative_to(self.folder / "host").as_posix()
                 elif source.is_relative_to(ROOT):
@@ -142,7 +142,7 @@ class Build:
                 self.commands.setdefault(name, []).append((arguments, arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
-    def compiled_together(self, path):
+    def unity_members(self, path):
         """The sources that a file of CMake's includes, where those of a folder are compiled together (RA2D_BY_FOLDER)."""
         if path.parent.name != "Unity" or not path.is_relative_to(self.folder):
             return []
@@ -229,7 +229,7 @@ def apply(build, fault, folder):
                 mine = f"{folder}/{place.replace('/', '_')}"
                 names = {place: mine, f"{ROOT}/{fault['file']}": str(faulty)}
                 for word in arguments:  # of sources that are compiled together: the same, with the faulty one
-                    if build.compiled_together(pathlib.Path(word)):
+                    if build.unity_members(pathlib.Path(word)):
                         names[word] = f"{mine}.cxx"
                         pathlib.Path(names[word]).write_text(
                             pathlib.Path(word).read_text().replace(f"{ROOT}/{fault['file']}", str(faulty)))

@@ -115,8 +115,8 @@ def check_shocks(file, said):
     times = np.sort(np.concatenate([start[(start >= begin) & (start < end)], [begin]]))
     most = max(np.count_nonzero((start <= t) & (ends > t)) for t in times)
     expect(shocks["simultaneous"]["max"] == most, "at once", shocks["simultaneous"]["max"], "not", most)
-    together = np.clip(np.minimum(ends, end) - np.maximum(start, begin), 0, None).sum()
-    near(shocks["simultaneous"]["mean"], together / (end - begin), "at once")
+    overlap = np.clip(np.minimum(ends, end) - np.maximum(start, begin), 0, None).sum()
+    near(shocks["simultaneous"]["mean"], overlap / (end - begin), "at once")
 
 
 def check(path, said):

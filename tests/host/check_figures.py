@@ -132,8 +132,8 @@ def main(path):
     height = data["surface/resonator/height"]
     left = np.minimum((place / chi + 1e-9).astype(int), len(height) - 2)
     wave = (np.arange(data["resonator/mode"].size) + 1) * np.pi / resonator["length"]
-    bend = math.sqrt(2 / resonator["length"]) * wave * np.cos(np.outer(place, wave))
-    slope = (height[left + 1] - height[left]) / chi + np.sum(bend * data["resonator/displacement"], axis=1)
+    deflection = math.sqrt(2 / resonator["length"]) * wave * np.cos(np.outer(place, wave))
+    slope = (height[left + 1] - height[left]) / chi + np.sum(deflection * data["resonator/displacement"], axis=1)
     work = np.concatenate(([0.0], np.cumsum((force * speed * slope)[:-1] * step)))
     close("energy/sliding_work", data["energy/sliding_work"], work, max(1e-7, 10 * summed))
 

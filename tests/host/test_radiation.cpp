@@ -77,12 +77,12 @@ TEST(Quadrature, GaussIntegratesPolynomials) {
 
 TEST(Quadrature, PanelsFollowAPoleAndAWave) {
   // integral of 1/hypot(x - 0.1, d) from 0 to 1
-  for (const double beside : {1e-5, 1e-3, 0.1, 10.0}) {
-    const Points points = graded_points(0, 1, 0, {0.1, beside});
+  for (const double distance : {1e-5, 1e-3, 0.1, 10.0}) {
+    const Points points = graded_points(0, 1, 0, {0.1, distance});
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
-      sum += points.weight[i] / std::hypot(points.at[i] - 0.1, beside);
-    EXPECT_NEAR(sum / (std::asinh(0.9 / beside) + std::asinh(0.1 / beside)), 1, 1e-12) << beside;
+      sum += points.weight[i] / std::hypot(points.at[i] - 0.1, distance);
+    EXPECT_NEAR(sum / (std::asinh(0.9 / distance) + std::asinh(0.1 / distance)), 1, 1e-12) << distance;
   }
   const Points points = even_points(0, 1, 900);
   Complex sum;

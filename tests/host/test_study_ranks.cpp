@@ -199,7 +199,7 @@ slider.surface = {{ kind = "file", path = "{}" }}
 
 TEST_F(StudyRanks, WhatSharesNothingIsRefused) {
   // as mpirun and srun start a process, without them
-  for (const std::string several : {"OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=",
+  for (const std::string variables : {"OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=",
                                     "PMI_SIZE=3 PMI_RANK=", "SLURM_STEP_NUM_TASKS=3 PMIX_RANK="})
     for (const std::string line :
          {"run base.toml", "study study.toml --list", "study study.toml --dry-run",
@@ -207,12 +207,12 @@ TEST_F(StudyRanks, WhatSharesNothingIsRefused) {
       const auto as_rank = [&](int rank) {
         return test::run_program(
             folder_,
-            {"sh", "-c", fmt::format("{}{} exec {} {}", several, rank, test::program(), line)});
+            {"sh", "-c", fmt::format("{}{} exec {} {}", variables, rank, test::program(), line)});
       };
       const Ended first = as_rank(0), second = as_rank(1);
-      EXPECT_EQ(first.status, 2) << several << line;
+      EXPECT_EQ(first.status, 2) << variables << line;
       EXPECT_THAT(first.err, HasSubstr("mpirun started 3 processes, but they share nothing"));
-      EXPECT_EQ(second.status, 0) << several << line;
+      EXPECT_EQ(second.status, 0) << variables << line;
       EXPECT_EQ(second.out + second.err, "") << "rank 0 says it for all";
     }
   // one process is alone, whatever started it; so are those that srun starts without MPI

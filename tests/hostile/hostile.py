@@ -47,7 +47,7 @@ import warm_python  # noqa: E402
 
 EARLIER = b"an earlier result\n"
 RUN, FORCE = ["run", "s.toml", "-o", "out.h5"], ["--force"]  # which alone replaces what is there
-BESIDE = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
+BESIDE_OUTPUT = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
 MEMORY = 4 << 30  # bytes, of each process
 PATIENCE = 20.0   # s
 ENOUGH = 1.5      # s, after which a run that is long by its own plan is interrupted
@@ -233,7 +233,7 @@ def faults_of_file(path, complete):
     return found
 
 
-def look(folder, status, allowed, new_names=(), may_leave_partial=False):
+def check_outcome(folder, status, allowed, new_names=(), may_leave_partial=False):
     """Everything that went wrong with a case that has ended."""
     out, err = printed(folder)
     found = []
@@ -266,7 +266,7 @@ def look(folder, status, allowed, new_names=(), may_leave_partial=False):
             found += faults_of_file(result, None if status >= 128 else status == 0)
     for entry in os.listdir(folder.path):
         partial = ".partial" in entry or entry.endswith(".lock")
-        goes_on = entry in BESIDE and (status >= 128 or status == 5)
+        goes_on = entry in BESIDE_OUTPUT and (status >= 128 or status == 5)
         if entry not in folder.inputs and entry not in ("out.h5", *new_names) and not goes_on \
                 and not (partial and may_leave_partial):
             found.append(f"left {entry!r}")
@@ -279,20 +279,20 @@ def look(folder, status, allowed, new_names=(), may_leave_partial=False):
 def damaged(text, dice):
     """A text at fault, and in which way."""
     data = bytearray(text.encode())
-    way = dice.randrange(6)
-    if way == 0:
+    choice = dice.randrange(6)
+    if choice == 0:
         return bytes(data[:dice.randrange(len(data))])
-    if way == 1:
+    if choice == 1:
         for _ in range(dice.randrange(1, 6)):
             data[dice.randrange(len(data))] = dice.randrange(256)
         return bytes(data)
-    if way == 2:
+    if choice == 2:
         at = dice.randrange(len(data))
         return bytes(data[:at]) + dice.randbytes(dice.randrange(1, 40)) + bytes(data[at:])
     lines = text.split("\n")
-    if way == 3:
+    if choice == 3:
         del lines[dice.randrange(len(lines))]
-    elif way == 4:
+    elif choice == 4:
         lines.insert(dice.randrange(len(lines)), dice.choice(lines))
     else:
         a, b = dice.randrange(len(lines)), dice.randrange(len(lines))
@@ -400,15 +400,15 @@ def try_scene(program, case, dice):
     folder = Folder(text)
     if name.startswith("chart "):
         status = end(start(program, given, folder))
-        return folder, status, look(folder, status, (2, 4))
-    way = dice.random()
-    words = ["plan", "s.toml"] if way < 0.1 else [*RUN, *(FORCE if way < 0.9 else [])]
+        return folder, status, check_outcome(folder, status, (2, 4))
+    choice = dice.random()
+    words = ["plan", "s.toml"] if choice < 0.1 else [*RUN, *(FORCE if choice < 0.9 else [])]
     for one in given:
         words += ["--set", one]
     words = [os.fsencode(word) for word in words]
     status = end_scene(start(program, words, folder), program, words, folder)
-    found = look(folder, status, (0, 2, 3, 4, 130) if way < 0.9 else (2, 3, 4))
-    if way >= 0.9 and (folder.path / "out.h5").read_bytes() != EARLIER:
+    found = check_outcome(folder, status, (0, 2, 3, 4, 130) if choice < 0.9 else (2, 3, 4))
+    if choice >= 0.9 and (folder.path / "out.h5").read_bytes() != EARLIER:
         found.append("what was there was replaced unasked")
     return folder, status, found
 
@@ -502,7 +502,7 @@ def try_profile(program, case, dice):
     folder = Folder(scene, {"p.csv": content})
     words = ["plan", "s.toml"] if dice.random() < 0.1 else RUN + FORCE
     status = end(start(program, words, folder))
-    found = look(folder, status, (0, 2, 3, 4))
+    found = check_outcome(folder, status, (0, 2, 3, 4))
     if name.startswith("units") and status != 2:
         found.append("read in a wrong unit without a fault")
     if (name.startswith("good") or name == "no end") and status != 0:
@@ -527,11 +527,11 @@ def try_kill(program, case, dice):
     time.sleep(case[1])
     process.kill()
     status = end(process)
-    found = look(folder, status, (0, 128 + signal.SIGKILL), may_leave_partial=True)
+    found = check_outcome(folder, status, (0, 128 + signal.SIGKILL), may_leave_partial=True)
     if dice.random() < 0.2:  # the next run into this folder cleans up
         (folder.path / "out.h5").write_bytes(EARLIER)
         again = end(start(program, [*RUN, *FORCE, "--set", "scene.duration=1e-5"], folder))
-        found += [f"run again: {what}" for what in look(folder, again, (0,))]
+        found += [f"run again: {what}" for what in check_outcome(folder, again, (0,))]
     return folder, status, found
 
 
@@ -554,7 +554,7 @@ def try_signal(program, case, dice):
         process.send_signal(kind)
     begun = time.monotonic()
     status = end(process)
-    found = look(folder, status, (0, 128 + kind))
+    found = check_outcome(folder, status, (0, 128 + kind))
     if time.monotonic() - begun > 1.4:
         found.append("did not end within a second")
     return folder, status, found
@@ -614,7 +614,7 @@ def try_resume(program, case, dice):
         status = end(process)
         CUTS[status] += status != 0
         went_on += b"goes on from" in (folder.path / ".stderr").read_bytes()
-        found += look(folder, status, allowed, ("whole.h5",), may_leave_partial=True)
+        found += check_outcome(folder, status, allowed, ("whole.h5",), may_leave_partial=True)
         if status == 0:
             break
     if status == 0 and content(folder.path / "out.h5") != content(folder.path / "whole.h5"):
@@ -756,24 +756,24 @@ def places_of_metadata(file):
     return [at for at, meta in enumerate(is_meta) if meta and data[at]]
 
 
-def spoil_bytes(data, way, dice):
+def spoil_bytes(data, choice, dice):
     """Damage that no program has made on purpose."""
     data = bytearray(data)
     at, size = dice.randrange(len(data)), dice.randrange(1, 5000)
-    if way == "bit":
+    if choice == "bit":
         data[at] ^= 1 << dice.randrange(8)
-    elif way == "bit of the metadata":
+    elif choice == "bit of the metadata":
         data[dice.choice(MADE["metadata"])] ^= 1 << dice.randrange(8)
-    elif way == "bit of the seal":
+    elif choice == "bit of the seal":
         data[-1 - dice.randrange(len(data) - len(seal.without_seal(data)))] ^= 1 << dice.randrange(8)
-    elif way == "cut":
+    elif choice == "cut":
         del data[dice.choice([at, 5000, len(data) - 1, len(data) - SEAL, 8, 0]):]
-    elif way == "longer":
+    elif choice == "longer":
         data += dice.choice([b"\n", bytes(size), data[-SEAL:], bytes(data)])
-    elif way == "zeros":
+    elif choice == "zeros":
         data[at:at + size] = bytes(len(data[at:at + size]))
         data[0] ^= 1  # there may have been zeros
-    elif way == "moved":
+    elif choice == "moved":
         other = dice.randrange(len(data))
         part = data[other:other + size]
         del data[other:other + size]
@@ -834,12 +834,12 @@ SPOILT = ["bit", "bit of the metadata", "bit of the seal", "cut", "longer", "zer
 
 
 def reader_cases(times, dice):
-    cases = [(f"{way} {i}", "spoilt", way) for i in range(2 * times) for way in SPOILT]
+    cases = [(f"{choice} {i}", "spoilt", choice) for i in range(2 * times) for choice in SPOILT]
     cases += [(f"changed: {name}", "changed", name) for name in EDITS]
     cases += [(f"forged: {name}", "forged", name) for name in FORGED]
     cases += [(f"forged bit {i}", "forged bit", "") for i in range(15 * times)]
-    cases += [(f"study's {what}: {way} {i}", f"study {what}", way) for i in range(times) for what in ("table", "kept result")
-              for way in [*SPOILT, *EDITS]]
+    cases += [(f"study's {what}: {choice} {i}", f"study {what}", choice) for i in range(times) for what in ("table", "kept result")
+              for choice in [*SPOILT, *EDITS]]
     dice.shuffle(cases)
     return cases
 
@@ -869,20 +869,20 @@ def ask(program, folder, words, allowed, made=()):
 
 def try_reader(program, case, dice):
     make_once(program)
-    _, kind, way = case
+    _, kind, choice = case
     if kind.startswith("study"):
-        return try_study_reader(program, kind, way, dice)
+        return try_study_reader(program, kind, choice, dice)
     folder = Folder(MADE["inputs"]["s.toml"])
     result, whole = folder.path / "out.h5", MADE["result"]
     (folder.path / "whole.h5").write_bytes(whole)
     allowed = (4,)
     commands = list(READERS)
     if kind == "spoilt":
-        data = spoil_bytes(whole, way, dice)
+        data = spoil_bytes(whole, choice, dice)
     elif kind == "changed":
-        data = edited(whole, EDITS[way], result)
+        data = edited(whole, EDITS[choice], result)
     elif kind == "forged":
-        data = sealed(edited(whole, FORGED[way], result))
+        data = sealed(edited(whole, FORGED[choice], result))
         commands.remove("run")  # which does not look at numbers that it does not use
     else:  # the seal fits, and HDF5 may be led astray
         data = bytearray(seal.without_seal(whole))
@@ -901,9 +901,9 @@ def try_reader(program, case, dice):
         if foreign and name in ("plot", "run"):
             continue
         # a run refuses to replace what it cannot read
-        if way in MAY_GO_UNSEEN and name == "plot":
+        if choice in MAY_GO_UNSEEN and name == "plot":
             continue
-        if way in MAY_GO_UNSEEN and name in READS_A_PART:
+        if choice in MAY_GO_UNSEEN and name in READS_A_PART:
             status, _, _, wrong = ask_reader(program, folder, words)
         else:
             status, _, _, wrong = ask(program, folder, words, (2,) if name.startswith("run") and allowed == (4,) else allowed)
@@ -917,7 +917,7 @@ def try_reader(program, case, dice):
     return folder, status, found
 
 
-def try_study_reader(program, kind, way, dice):
+def try_study_reader(program, kind, choice, dice):
     folder = Folder(MADE["inputs"]["s.toml"], {"study.toml": MADE["inputs"]["study.toml"]})
     for path, content in MADE["study"].items():
         (folder.path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -925,10 +925,10 @@ def try_study_reader(program, kind, way, dice):
     of_table = kind == "study table"
     file = folder.path / ("study/results.h5" if of_table else dice.choice([p for p in MADE["study"] if p.parts[1] == "runs"]))
     whole = file.read_bytes()
-    if way in EDITS:
-        data = edited(whole, EDITS[way], file)
+    if choice in EDITS:
+        data = edited(whole, EDITS[choice], file)
     else:
-        data = spoil_bytes(whole, "bit" if way == "bit of the metadata" else way, dice)
+        data = spoil_bytes(whole, "bit" if choice == "bit of the metadata" else choice, dice)
     if data == whole:
         return folder, 0, ["the case changed nothing"]
     file.write_bytes(data)
@@ -937,8 +937,8 @@ def try_study_reader(program, kind, way, dice):
     found += wrong + ([] if file.name.encode() in err else [f"check does not name {file.name}: {err[:300]!r}"])
     if of_table:
         for words in READS_A_PART_OF_STUDY:
-            found += (ask_reader(program, folder, words) if way in MAY_GO_UNSEEN else ask(program, folder, words, (4,)))[3]
-        if way not in MAY_GO_UNSEEN:
+            found += (ask_reader(program, folder, words) if choice in MAY_GO_UNSEEN else ask(program, folder, words, (4,)))[3]
+        if choice not in MAY_GO_UNSEEN:
             found += ask(program, folder, ["plot", "study", "-o", "picture.png"], (4,))[3]
         found += ask(program, folder, ["study", "merge", "study"], (0,))[3]
     else:
@@ -963,27 +963,27 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kills", type=int, default=0)
     parser.add_argument("--sanitized", action="store_true", help="the program is: it reserves memory without end")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    if not asked.sanitized:
+    if not options.sanitized:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # of this program's own children too
     else:
         global SLOWER
         SLOWER = 6
-    if asked.part == "readers":  # which ask Python some hundred times
+    if options.part == "readers":  # which ask Python some hundred times
         with warm_python.started() as path:
             os.environ["PATH"] = path
-            sys.exit(attempts(asked))
-    sys.exit(attempts(asked))
+            sys.exit(attempts(options))
+    sys.exit(attempts(options))
 
 
-def attempts(asked):
+def attempts(options):
     """Makes the cases, prints how they ended, and returns the exit status."""
-    make, attempt = PARTS[asked.part]
-    first, of = map(int, asked.share.split("/"))
-    cases = make(asked.times, random.Random(asked.seed))[first - 1::of]
+    make, attempt = PARTS[options.part]
+    first, of = map(int, options.share.split("/"))
+    cases = make(options.times, random.Random(options.seed))[first - 1::of]
     begun, ended, wrong = time.monotonic(), Counter(), 0
-    program = os.path.abspath(asked.program)
+    program = os.path.abspath(options.program)
     for case in cases:
         dice = random.Random(hashlib.sha256(case[0].encode(errors="surrogateescape")).digest())
         folder, status, found = attempt(program, case, dice)
@@ -993,10 +993,10 @@ def attempts(asked):
             print(f"{case[0][:300]!r}:", *found, sep="\n    ", flush=True)
         folder.close()
     endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
-    print(f"{asked.part} {asked.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
+    print(f"{options.part} {options.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
           f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" if status != "went on" else f"; went on {count} times"
                                    for status, count in CUTS.items()))
-    too_few = CUTS[128 + signal.SIGKILL] < asked.kills or ("went on" in CUTS and CUTS["went on"] < len(cases))
+    too_few = CUTS[128 + signal.SIGKILL] < options.kills or ("went on" in CUTS and CUTS["went on"] < len(cases))
     return 1 if wrong or too_few else 0
 
 

@@ -4,16 +4,19 @@
 
 usage: language.py SOURCE_FOLDER [FOLDER_OR_FILE...]
 
-Of all .hpp and .cpp files below kernels, host, tests and bench, or of those named:
+Of all .hpp, .cpp and .py files below kernels, host, tests and bench, or of those named:
 
-- no comment line is longer than 100 columns;
+- no comment line of C++ is longer than 100 columns;
 - no comment of a declaration (///) begins with "...", "The same", "What" or "Who": it begins with the thing;
-- no name is one of PRIVATE_NAMES: they once meant something to their authors alone.
+- no name is one of PRIVATE_NAMES, or one with "_" behind it: they once meant something to their authors alone.
 """
 
+import io
+import keyword
 import pathlib
 import re
 import sys
+import tokenize
 
 # name -> what the field calls it
 PRIVATE_NAMES = {
@@ -44,6 +47,7 @@ PRIVATE_NAMES = {
     "climb": "a work or a rate, named as such",
     "bend": "a curvature, a deflection or a rise, as it is",
     "reach": "a range, or the bound that it is",
+    "way": "a distance, a path, a direction or a choice, as it is",
     "t_": "tables_",
     "s_": "state_",
 }
@@ -53,9 +57,16 @@ COMMENT = re.compile(r"^\s*(///|//)( ?)(.*)$")
 BEGINS = re.compile(r"^(\.\.\.|The same\b|What\b|Who\b)")
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"' + r"|'(?:[^'\\\n]|\\.)'")
 RAW = re.compile(r'R"(\w*)\((?:.|\n)*?\)\1"')
-# a declaration: a name after a type, or before "(" where it is defined, or in a list of parameters
-DECLARED = re.compile(r"(?:[\w>\]&*]\s+[&*]?|[&*])(%s)\s*(?=[;,=({\[)])" % "|".join(PRIVATE_NAMES))
-NOT_TYPES = {"return", "else", "case", "goto", "throw", "new", "delete", "co_return", "co_yield", "and", "or", "not"}
+# a use of a name, but as a member of something (queue.push) or in another namespace (std::this_thread::yield)
+USED = re.compile(r"(?<![\w.>:])(%s)_?(?!\w)" % "|".join(PRIVATE_NAMES))
+
+
+def of_python(path, text):
+    """Names of Python: what stands in strings, formatted ones too, is not seen."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        name = token.string
+        if token.type == tokenize.NAME and name in PRIVATE_NAMES and not keyword.iskeyword(name):
+            yield f"{path}:{token.start[0]}: '{name}': {PRIVATE_NAMES[name]}"
 
 
 def faults_of(path, text):
@@ -74,20 +85,19 @@ def faults_of(path, text):
         if comment:
             continue
         code = STRING.sub('""', line).split("//")[0]
-        for found in DECLARED.finditer(code):
-            before = re.search(r"(\w+)\s*$", code[:found.start(1)])
-            if before and before.group(1) in NOT_TYPES:
-                continue
-            yield f"{path}:{number}: '{found.group(1)}': {PRIVATE_NAMES[found.group(1)]}"
+        for found in USED.finditer(code):
+            yield f"{path}:{number}: '{found.group(0)}': {PRIVATE_NAMES[found.group(1)]}"
 
 
 def main():
     root = pathlib.Path(sys.argv[1])
     named = [root / name for name in sys.argv[2:]] or [root / folder for folder in FOLDERS]
-    files = [f for n in named for f in ([n] if n.is_file() else sorted(n.rglob("*.?pp")))]
+    files = [f for n in named for f in ([n] if n.is_file() else sorted([*n.rglob("*.?pp"), *n.rglob("*.py")]))]
     if not files:
         raise SystemExit(f"{root}: no files")
-    found = [fault for file in files for fault in faults_of(file.relative_to(root).as_posix(), file.read_text())]
+    found = [fault for file in files
+             for fault in (of_python if file.suffix == ".py" else faults_of)(
+                 file.relative_to(root).as_posix(), file.read_text())]
     print("\n".join(found) or f"{len(files)} files: no fault of language")
     sys.exit(bool(found))
 

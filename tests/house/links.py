@@ -57,12 +57,12 @@ def faults_of(root, page, anchors):
 
 def main():
     root = pathlib.Path(sys.argv[1]).resolve()
-    known = {}
+    anchors_by_page = {}
 
     def anchors(page):
-        if page not in known:
-            known[page] = anchors_of(page.read_text())
-        return known[page]
+        if page not in anchors_by_page:
+            anchors_by_page[page] = anchors_of(page.read_text())
+        return anchors_by_page[page]
 
     pages = pages_of(root)
     if len(pages) < 3:

@@ -177,9 +177,9 @@ TEST(FilledTables, BoundAFlightFromOneSideToTheOther) {
     for (int p = 0; p < packs; ++p) u[p] = lanes.load(amplitude.data() + p * width), v[p] = 0.0;
     const double half_a_period = std::numbers::pi / f.mode(k).omega;
     const MotionBounds bounds = flight.bounds(u, v, half_a_period);
-    const double way = 2 * amplitude[k] * f.t.bounds.largest_shape[k];
-    EXPECT_GE(bounds.travel, way * (1 - 8 * eps)) << "mode " << k;
-    EXPECT_LE(bounds.travel, way * (1 + 8 * eps)) << "mode " << k << ": it can be no more";
+    const double distance = 2 * amplitude[k] * f.t.bounds.largest_shape[k];
+    EXPECT_GE(bounds.travel, distance * (1 - 8 * eps)) << "mode " << k;
+    EXPECT_LE(bounds.travel, distance * (1 + 8 * eps)) << "mode " << k << ": it can be no more";
   }
 }
 

@@ -29,7 +29,7 @@ PtxWarp::PtxWarp(const Program& program, Order order)
 }
 
 void PtxWarp::allow(std::string name, const void* begin, std::size_t bytes, bool writable) {
-  watched_.allow(std::move(name), begin, bytes, writable);
+  memory_.allow(std::move(name), begin, bytes, writable);
 }
 
 void PtxWarp::fault(const Instruction& instruction, const std::string& problem) const {
@@ -50,7 +50,7 @@ void PtxWarp::run(const std::vector<std::uint64_t>& parameters) {
     registers_[static_cast<std::size_t>(program_.parameters()[k])].fill(parameters[k]);
   at_.fill(0);
   alive_ = all;
-  watched_.sync();
+  memory_.sync();
   if (order_ == Order::in_step)
     run_in_step();
   else
@@ -180,7 +180,7 @@ void PtxWarp::meet() {
   else if (i.kind == Kind::ballot)
     ballot(i);
   else
-    watched_.sync();
+    memory_.sync();
   for (std::size_t& of_lane : at_) ++of_lane;
 }
 
@@ -242,8 +242,8 @@ char* PtxWarp::memory(const Instruction& i, std::size_t index, std::uint64_t add
   const auto check = [&] {
     // an atomic access races with none
     if (!checks_races_ || i.kind == Kind::compare_and_swap)
-      return watched_.holds(address, i.bytes, writes, hints_[index]);
-    const bool held = watched_.touch(address, i.bytes, writes, lane, static_cast<int>(index),
+      return memory_.holds(address, i.bytes, writes, hints_[index]);
+    const bool held = memory_.touch(address, i.bytes, writes, lane, static_cast<int>(index),
                                      hints_[index], conflicts_);
     // in the order of the program: some orders of the lanes show a pair both ways
     for (const auto& conflict : conflicts_)

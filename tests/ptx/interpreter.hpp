@@ -77,7 +77,7 @@ class PtxWarp {
   std::uint32_t alive_ = 0;
   std::size_t ignored_ = static_cast<std::size_t>(-1);
   bool checks_races_ = true;
-  WatchedMemory watched_;
+  WatchedMemory memory_;
   std::vector<std::uint32_t> hints_;  // of each instruction: the array that it touched last
   std::vector<WatchedMemory::Conflict> conflicts_;
   std::set<std::pair<int, int>> races_;

@@ -37,9 +37,9 @@ def flags_of(build):
 def make(build, flags, form, out):
     """Compiles one form."""
     wrapper = build / "_deps/kokkos-src/bin/nvcc_wrapper"
-    asked = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}", "-DRA2D_PTX_PORTABLE_FUNCTIONS",
+    options = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}", "-DRA2D_PTX_PORTABLE_FUNCTIONS",
              "-c", SOURCE, "-o", out]
-    shown = subprocess.run([str(word) for word in asked], cwd=build, capture_output=True, text=True)
+    shown = subprocess.run([str(word) for word in options], cwd=build, capture_output=True, text=True)
     if shown.returncode != 0:
         raise SystemExit(f"{wrapper} does not say how it calls nvcc:\n{shown.stdout + shown.stderr}")
     # what the wrapper would run, but for PTX
@@ -55,12 +55,12 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=FORMS)
     parser.add_argument("--jobs", type=int, default=1)
-    asked = parser.parse_args()
-    build, folder = asked.build.resolve(), asked.folder.resolve()
+    options = parser.parse_args()
+    build, folder = options.build.resolve(), options.folder.resolve()
     flags = flags_of(build)
     folder.mkdir(parents=True, exist_ok=True)
-    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
-        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"), asked.forms))
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"), options.forms))
 
 
 if __name__ == "__main__":

@@ -170,8 +170,8 @@ def array_of_jobs(source, folder, ra2d):
 
 
 def ranks(ra2d):
-    known = run("srun", "--mpi=list", may_fail=True)
-    if not (ra2d.parent / "libra2d_mpi.so").exists() or "pmix" not in known.stdout + known.stderr:
+    listed = run("srun", "--mpi=list", may_fail=True)
+    if not (ra2d.parent / "libra2d_mpi.so").exists() or "pmix" not in listed.stdout + listed.stderr:
         return
     run("srun", "--mpi=pmix", "--ntasks=2", ra2d, "study", "fig5.toml", "-o", "ranks", "--quiet")
     assert pathlib.Path("ranks/ledger/all-rank-1.log").exists()

@@ -25,7 +25,7 @@ from .scenes import Scene, scene
 from .student import half_interval
 from .studies import Study, study
 
-ASKED = "as asked"
+AS_GIVEN = "as asked"
 CHANCE = "chance"
 PAIRED = 3  # realisations that each source is tried on: shifts of pairs scatter little
 # the quantity, its variable in the study, its unit, whether it is compared by ratios, and what it is called
@@ -259,7 +259,7 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
 def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
     """The runs that a source's own are compared with. Where twice the step is stable, both take it: their
     difference hardly feels the step, and costs half."""
-    return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else ASKED
+    return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else AS_GIVEN
 
 
 def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]], **options: Any
@@ -267,15 +267,15 @@ def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: li
     """All runs in one study. The scene's name tells them apart."""
     complete = what.complete()
     keys = list(dict.fromkeys(key for _, changed in cases.values() for key in changed))
-    asked = {key: complete[key.split(".")[0]].get(key.split(".")[1], 1e-8) for key in keys}
-    sources: dict[str, dict[str, Any]] = {ASKED: {}}
+    settings = {key: complete[key.split(".")[0]].get(key.split(".")[1], 1e-8) for key in keys}
+    sources: dict[str, dict[str, Any]] = {AS_GIVEN: {}}
     for name, (_, changed) in cases.items():
         reference = _reference(name, cases)
-        sources[name] = changed if reference == ASKED else {**cases[reference][1], **changed}
+        sources[name] = changed if reference == AS_GIVEN else {**cases[reference][1], **changed}
     values = []
     for source, changed in sources.items():
-        for number, pair in enumerate(faces if source == ASKED else faces[:PAIRED], 1):
-            values.append([_name(source, number), *{**asked, **changed}.values(), *(face.value for face in pair)])
+        for number, pair in enumerate(faces if source == AS_GIVEN else faces[:PAIRED], 1):
+            values.append([_name(source, number), *{**settings, **changed}.values(), *(face.value for face in pair)])
     return study(what, {("scene.name", *keys, *(face.key for face in faces[0])): values}, **options)
 
 
@@ -355,7 +355,7 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")  # told in the notes
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
-    runs = _runs(table, [ASKED, *cases])
+    runs = _runs(table, [AS_GIVEN, *cases])
     return _of_runs(runs, cases, faces, table)
 
 
@@ -366,26 +366,26 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
     found: dict[str, Estimate] = {}
     dominant: dict[str, str] = {}
     for name, _, unit, by_ratio, words in QUANTITIES:
-        by_case = {case: _by_realisation(runs, case, name) for case in (ASKED, *cases)}
+        by_case = {case: _by_realisation(runs, case, name) for case in (AS_GIVEN, *cases)}
         if by_ratio:
             by_case = {case: _logarithms(values) for case, values in by_case.items()}
-        base, percent = by_case[ASKED], 100.0 if by_ratio else 1.0
+        base, percent = by_case[AS_GIVEN], 100.0 if by_ratio else 1.0
         shifts = {case: _finite(by_case[case] - by_case[_reference(case, cases)].reindex(by_case[case].index))
                   for case in cases}
-        known = _finite(base)
+        finite_base = _finite(base)
         moved = {case: percent * float(shift.mean()) if shift.size else math.nan for case, shift in shifts.items()}
-        table[name] = pd.Series({CHANCE: percent * half_interval(known), **moved}, dtype=float)
+        table[name] = pd.Series({CHANCE: percent * half_interval(finite_base), **moved}, dtype=float)
         table[f"{name}_chance"] = pd.Series({case: percent * half_interval(shift) for case, shift in shifts.items()},
                                             dtype=float)
-        if not known.size:
+        if not finite_base.size:
             found[name] = Estimate(math.nan, unit=unit, note=f"no run has a {words}")
             continue
-        reach = math.sqrt(float((table[name] ** 2).sum(skipna=False))) / percent
-        mean = float(known.mean())
-        value, low, high = (math.exp(end) if by_ratio else end for end in (mean, mean - reach, mean + reach))
+        total = math.sqrt(float((table[name] ** 2).sum(skipna=False))) / percent
+        mean = float(finite_base.mean())
+        value, low, high = (math.exp(end) if by_ratio else end for end in (mean, mean - total, mean + total))
         note = "chance and shifts, as squares"
-        if known.size < len(faces):
-            note += f"; {known.size} of {len(faces)} realisations have one"
+        if finite_base.size < len(faces):
+            note += f"; {finite_base.size} of {len(faces)} realisations have one"
         found[name] = Estimate(value, low, high, unit, note)
         if table[name].notna().any():
             dominant[name] = str(table[name].abs().idxmax())

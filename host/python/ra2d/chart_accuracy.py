@@ -14,7 +14,7 @@ from .style import CHART_RC, Picture, literal
 
 MARKS = {"explicit-euler": "v", "midpoint": "o", "backward-euler": "s", "heun": "^", "rk4": "D", "rk8": "P",
          "exact": "X", "adaptive": "*"}
-KNOWN = 2  # an error below so many of the reference's own is told by neither
+REFERENCE_MARGIN = 2  # errors below so many times the reference's own cannot be measured
 PEERS = {"cvode-adams": ("CVODE Adams", "#e377c2", "<"), "cvode-bdf": ("CVODE BDF", "#bcbd22", ">"),
          "dopri5": ("DOPRI5", "#444444", "x")}
 
@@ -64,9 +64,9 @@ def _draw_errors(axes: Any, rows: list[Row], kind: str, title: str, reference: f
     for (name, colour, mark, line), points in curves.items():
         points.sort(key=_size, reverse=True)
         for row in points:  # no further off than this, and nobody knows how far
-            if _number(row, "error") <= KNOWN * reference:
-                _draw_unknown(axes, _number(row, "wall_median"), KNOWN * reference, colour)
-        points = [row for row in points if not _number(row, "error") <= KNOWN * reference]
+            if _number(row, "error") <= REFERENCE_MARGIN * reference:
+                _draw_unknown(axes, _number(row, "wall_median"), REFERENCE_MARGIN * reference, colour)
+        points = [row for row in points if not _number(row, "error") <= REFERENCE_MARGIN * reference]
         wall = [_number(row, "wall_median") for row in points]
         error = [_number(row, "error") for row in points]
         hollow = {"mfc": "white"} if line == "--" else {}
@@ -78,10 +78,10 @@ def _draw_errors(axes: Any, rows: list[Row], kind: str, title: str, reference: f
     axes.set_yscale("log")
     if reference > 0:
         low, high = axes.get_ylim()
-        low, top = min(low, 0.02 * reference), KNOWN * reference
+        low, top = min(low, 0.02 * reference), REFERENCE_MARGIN * reference
         axes.axhspan(low, top, color="#dddddd", zorder=0)
         axes.set_ylim(low, high)
-        axes.text(0.98, math.sqrt(low * top), f"not known: below {KNOWN} times the reference's own error ", fontsize=8, color="#333333",
+        axes.text(0.98, math.sqrt(low * top), f"not known: below {REFERENCE_MARGIN} times the reference's own error ", fontsize=8, color="#333333",
                   transform=axes.get_yaxis_transform(), ha="right", va="center")
     axes.set_xlabel("wall time per simulated second [s]")
     axes.grid(True, which="major", alpha=0.3)
@@ -105,13 +105,13 @@ def _draw_statistics(axes: Any, rows: list[Row], quantity: str, label: str, unit
     def value(row: Row, column: str) -> float:
         return _number(row, column) / unit
 
-    def reach(row: Row) -> float:
+    def half_interval(row: Row) -> float:
         return 0 if math.isnan(_number(row, "standard_error")) else 1.3 * value(row, "standard_error")
 
     shown = [row for row in rows if row["mean"] and row["law"] == "penalty"] or [row for row in rows if row["mean"]]
     if shown:
-        low = min(value(row, "mean") - reach(row) for row in shown)
-        high = max(value(row, "mean") + reach(row) for row in shown)
+        low = min(value(row, "mean") - half_interval(row) for row in shown)
+        high = max(value(row, "mean") + half_interval(row) for row in shown)
         margin = 0.25 * (high - low) or 0.1 * abs(high) or 1
         axes.set_xlim(low - margin, high + margin)
         axes.axvline(value(rows[0], "mean"), color="#555555", lw=0.9, ls=":", zorder=1)
@@ -124,8 +124,8 @@ def _draw_statistics(axes: Any, rows: list[Row], quantity: str, label: str, unit
         mean, spread = value(row, "mean"), value(row, "standard_error")
         low, high = axes.get_xlim()
         if not low < mean < high:
-            several = "" if math.isnan(spread) else f" \u00b1 {_plain(spread, 2)}"
-            axes.annotate(f"{_plain(mean, 4)}{several}", (0.01 if mean < low else 0.99, i), (12 if mean < low else -12, 0),
+            many = "" if math.isnan(spread) else f" \u00b1 {_plain(spread, 2)}"
+            axes.annotate(f"{_plain(mean, 4)}{many}", (0.01 if mean < low else 0.99, i), (12 if mean < low else -12, 0),
                           xycoords=axes.get_yaxis_transform(), textcoords="offset points", color=colour, fontsize=9,
                           ha="left" if mean < low else "right", va="center",
                           arrowprops={"arrowstyle": "->", "color": colour})
@@ -180,10 +180,10 @@ def _draw(points: pathlib.Path, long_runs: pathlib.Path) -> Picture:
         for axes, (quantity, label, unit) in zip(panels, quantities):
             _draw_statistics(axes, long_rows, quantity, label, unit)
         first = long_rows[0]
-        several = int(first["seeds"]) > 1
+        many = int(first["seeds"]) > 1
         lower.suptitle(f"Over {float(first['duration']):.3g} s of sliding"
                        + (f", {first['seeds']} surfaces: mean and standard error (thin); difference from the first "
-                          "line's on the same surfaces (thick)" if several else ", one run of each"), fontsize=10.5)
+                          "line's on the same surfaces (thick)" if many else ", one run of each"), fontsize=10.5)
     figure.suptitle(f"Speed against accuracy. Scene: {literal(context.get('scene', ''))}", fontsize=12)
     stretches = [_number(row, "stretch") for row in rows if row["stretch"] and row["program"] == "ra2d"] or [math.nan]
     figure.supxlabel(_wrap(

@@ -19,7 +19,7 @@ MOST = len(SERIES)
 PRESSURE = "sound pressure [dB re 20 \u00b5Pa]"
 
 
-def _look(i: int) -> dict[str, Any]:
+def _marker(i: int) -> dict[str, Any]:
     return {"color": SERIES[i], "ls": LINES[i]}
 
 
@@ -40,7 +40,7 @@ def _bands(axes: Any, shown: list[tuple[int, Result]]) -> None:
     for (i, _), one in zip(shown, bands):
         place = np.array([centres.index(centre) for centre in one.frequency.values])
         above = one.above_last_mode.values
-        axes.plot(place, one.level.values, marker=MARKS[i], ms=5, lw=1.2, **_look(i))
+        axes.plot(place, one.level.values, marker=MARKS[i], ms=5, lw=1.2, **_marker(i))
         axes.plot(place[above], one.level.values[above], ls="none", marker=MARKS[i], ms=5, mfc="white", mec=SERIES[i])
     plots.band_axis(axes, [names[centre] for centre in centres])
     if any(one.above_last_mode.any() for one in bands):
@@ -63,7 +63,7 @@ def _bands_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
         place = np.array([centres.index(centre) for centre in one["centre"]])
         levels = np.array(one["level"], dtype=float)  # None: silence
         above = np.array(one["above_last_mode"], dtype=bool)
-        axes.plot(place, levels, marker=MARKS[i], ms=5, lw=1.2, **_look(i))
+        axes.plot(place, levels, marker=MARKS[i], ms=5, lw=1.2, **_marker(i))
         axes.plot(place[above], levels[above], ls="none", marker=MARKS[i], ms=5, mfc="white", mec=SERIES[i])
         drawn.append(levels)
     plots.band_axis(axes, list(names.values()))
@@ -76,7 +76,7 @@ def _levels_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
     drawn = []
     for i, one in heard:
         time, levels = plots.heard_in_time(one, place)
-        axes.plot(time, levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_look(i))
+        axes.plot(time, levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_marker(i))
         drawn.append(levels)
     _level_limits(axes, np.concatenate(drawn), 1, PRESSURE)
 
@@ -86,7 +86,7 @@ def _levels(axes: Any, shown: list[tuple[int, Result]]) -> None:
     place = style.time_axis(axes, np.array([min(stretch.first_time(result) for _, result in shown),
                                             max(result.duration for _, result in shown)]))
     for (i, _), (time, levels) in zip(shown, found):
-        axes.plot(place(time), levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_look(i))
+        axes.plot(place(time), levels, lw=1.2, marker=MARKS[i], ms=4, markevery=8, **_marker(i))
     _level_limits(axes, np.concatenate([levels for _, levels in found]), 1)
 
 
@@ -117,7 +117,7 @@ def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
                             "at rest" if result.analysis()["v_rms"] == 0 else "no level")
              + (f"; at {plots.microphone_words(heard)}" if (heard := _heard(result)) else "")
              for name, result in zip(names, results)]
-    return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_look(i)) for i, text in enumerate(texts)]
+    return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_marker(i)) for i, text in enumerate(texts)]
 
 
 def _why_empty(result: Result, kind: str) -> str:

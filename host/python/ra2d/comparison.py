@@ -259,7 +259,7 @@ def _changed_profiles(a: Result, b: Result) -> list[str]:
             and a.profile(body).sizes == b.profile(body).sizes and _face(a, body) != _face(b, body)]
 
 
-def _way(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
+def _path(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
     """Where on the resonator the stretch begins and ends, and how long the slider is [m]."""
     content = result.scene.content()
     start, speed = float(content["scene"]["start"]), float(content["scene"]["speed"])
@@ -330,9 +330,9 @@ def _test_of_runs(a: _Run, b: _Run, one: Values, other: Values, paired: bool) ->
             return math.nan, f"{side}: {run.why}"
     if paired:
         both = one - other
-        known = both[np.isfinite(both)]
-        if known.size >= FEWEST:  # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
-            return mean_differs(known), ""
+        finite = both[np.isfinite(both)]
+        if finite.size >= FEWEST:  # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
+            return mean_differs(finite), ""
     else:
         x, y = one[np.isfinite(one)], other[np.isfinite(other)]
         if min(x.size, y.size) >= FEWEST:
@@ -380,18 +380,18 @@ def _table(rows: Mapping[str, Mapping[str, Any]], index: str) -> pd.DataFrame:
 
 def _shared_bands(sides: Sequence[Mapping[str, Any]]) -> list[tuple[str, float]]:
     """Third octaves that all have, below the last mode."""
-    known: list[dict[str, float]] = []
+    bands_of: list[dict[str, float]] = []
     for found in sides:
         bands = found["bands"]
-        known.append({name: centre for name, centre, above, level in zip(
+        bands_of.append({name: centre for name, centre, above, level in zip(
             bands["nominal"], bands["centre"], bands["above_last_mode"], bands["level"]) if not above and level is not None})
-    return [(name, centre) for name, centre in known[0].items() if all(name in other for other in known[1:])]
+    return [(name, centre) for name, centre in bands_of[0].items() if all(name in other for other in bands_of[1:])]
 
 
 def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
     one, other = _Run(a), _Run(b)
     same_faces = _faces(a) == _faces(b)
-    paired = same_faces and np.allclose(_way(a, one.whole), _way(b, other.whole), rtol=1e-9, atol=1e-12)
+    paired = same_faces and np.allclose(_path(a, one.whole), _path(b, other.whole), rtol=1e-9, atol=1e-12)
 
     def compare(unit: str, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> dict[str, Any]:
         (x, x_parts), (y, y_parts) = one.series(kind, of), other.series(kind, of)
@@ -435,15 +435,15 @@ def _mark_family(bands: dict[str, dict[str, Any]]) -> None:
 def _test_of_sets(one: Values, other: Values, paired: bool) -> tuple[float, str]:
     if paired:
         both = one - other
-        known = both[np.isfinite(both)]
-        return (mean_differs(known), "") if known.size > 1 else (math.nan, "fewer than two pairs have one")
+        finite = both[np.isfinite(both)]
+        return (mean_differs(finite), "") if finite.size > 1 else (math.nan, "fewer than two pairs have one")
     x, y = one[np.isfinite(one)], other[np.isfinite(other)]
     return (means_differ(x, y), "") if min(x.size, y.size) > 1 else (math.nan, "fewer than two runs of a side have one")
 
 
 def _mean(values: Values) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if known.size else math.nan
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if finite.size else math.nan
 
 
 def _row_of_sets(x: Values, y: Values, unit: str, paired: bool) -> dict[str, Any]:

@@ -60,8 +60,8 @@ class Sheet:
 
 def _for_dark(code: str) -> str:
     """A lighter one of the same hue. Their order by lightness stays."""
-    hue, light, saturation = colorsys.rgb_to_hls(*matplotlib.colors.to_rgb(code))
-    return str(matplotlib.colors.to_hex(colorsys.hls_to_rgb(hue, 0.55 + 0.4 * light, saturation)))
+    hue, lightness, saturation = colorsys.rgb_to_hls(*matplotlib.colors.to_rgb(code))
+    return str(matplotlib.colors.to_hex(colorsys.hls_to_rgb(hue, 0.55 + 0.4 * lightness, saturation)))
 
 
 def _joined(numbers: Sequence[int]) -> str:

@@ -135,10 +135,10 @@ def _draw_lines(axes: Any, lines: list[tuple[str | None, xr.DataArray]], name: s
     time = lines[0][1].time.values
     unit, one = scale(unit_name, *(values.values for _, values in lines))
     place = style.time_axis(axes, time)
-    together = max(style.draw_series(axes, place(time), values.values / one, style.SERIES[i], style.LINES[i], label)
+    per_point = max(style.draw_series(axes, place(time), values.values / one, style.SERIES[i], style.LINES[i], label)
                    for i, (label, values) in enumerate(lines))
-    if together > 1:
-        style.time_axis(axes, time, f"  (band: extremes of {together} samples, line: mean)")
+    if per_point > 1:
+        style.time_axis(axes, time, f"  (band: extremes of {per_point} samples, line: mean)")
     axes.set_ylabel(f"{name} [{unit}]")
     axes.set_title(title)
     if lines[0][0]:
@@ -261,10 +261,10 @@ def _draw_energies(axes: Any, energy: xr.Dataset, kinds: list[Any], title: str) 
     time = energy.time.values
     unit, one = scale("J", *(energy[key].values for key, *_ in kinds))
     place = style.time_axis(axes, time)
-    together = [style.draw_series(axes, place(time), energy[key].values / one, colour, line, name, width, fill=0.25)
+    per_point = [style.draw_series(axes, place(time), energy[key].values / one, colour, line, name, width, fill=0.25)
                 for key, name, colour, line, width in kinds]
-    if together[0] > 1:
-        style.time_axis(axes, time, f"  (band: extremes of {together[0]} samples, line: mean)")
+    if per_point[0] > 1:
+        style.time_axis(axes, time, f"  (band: extremes of {per_point[0]} samples, line: mean)")
     axes.set_ylabel(f"energy [{unit}]")
     axes.set_title(title)
     style.room_above(axes, 0.42 if len(kinds) > 3 else 0.2)
@@ -392,14 +392,14 @@ def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], 
     heard = heard_by(result)
     if not heard:
         return
-    beside = axes.twinx()
+    right_axes = axes.twinx()
     for i, microphone in enumerate(heard):
-        beside.plot(*line(microphone), color=_OF_PRESSURE[i], marker=style.MARKS[i], ms=size, lw=1, alpha=0.85,
+        right_axes.plot(*line(microphone), color=_OF_PRESSURE[i], marker=style.MARKS[i], ms=size, lw=1, alpha=0.85,
                     label=f"pressure at {microphone_words(microphone)}")
-    beside.grid(False)
-    beside.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
-    style.room_above(beside, 0.14 + 0.06 * len(heard))  # for the legends
-    beside.legend(loc=where)
+    right_axes.grid(False)
+    right_axes.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
+    style.room_above(right_axes, 0.14 + 0.06 * len(heard))  # for the legends
+    right_axes.legend(loc=where)
 
 
 def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:

@@ -32,11 +32,11 @@ def _candidates() -> list[pathlib.Path]:
     if named := os.environ.get("RA2D"):
         return [pathlib.Path(named).absolute()]
     here = pathlib.Path(__file__).resolve().parent
-    beside = [here.parents[2] / "build/release/ra2d",  # of the source: host/python/ra2d
+    candidates = [here.parents[2] / "build/release/ra2d",  # of the source: host/python/ra2d
               here.parents[2] / "bin/ra2d",            # installed: share/ra2d/ra2d
               pathlib.Path(sys.prefix) / "bin/ra2d"]
     on_path = shutil.which("ra2d")
-    return beside + ([pathlib.Path(on_path)] if on_path else [])
+    return candidates + ([pathlib.Path(on_path)] if on_path else [])
 
 
 def find() -> pathlib.Path:

@@ -44,21 +44,21 @@ _MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "y": ("y",),
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
 
 
-def _one_of(name: str, given: str, known: tuple[str, ...]) -> str:
-    if given not in known:
-        raise RequestError(f"{name} is {given!r}: expected {' or '.join(map(repr, known))}")
+def _one_of(name: str, given: str, allowed: tuple[str, ...]) -> str:
+    if given not in allowed:
+        raise RequestError(f"{name} is {given!r}: expected {' or '.join(map(repr, allowed))}")
     return given
 
 
 def _require_within(time: Any, samples: xr.DataArray) -> None:
     """The nearest sample to a time outside of the run would be another time's."""
     try:
-        asked = np.asarray(time, dtype=float)
+        times = np.asarray(time, dtype=float)
     except (TypeError, ValueError) as fault:
         raise RequestError(f"time is {time!r}: expected numbers (s), or a slice of two") from fault
     half = float(samples[1] - samples[0]) / 2 if samples.size > 1 else math.inf
     low, high = float(samples[0]), float(samples[-1])
-    if not ((asked >= low - half) & (asked <= high + half)).all():
+    if not ((times >= low - half) & (times <= high + half)).all():
         raise RequestError(f"time is {time!r}: the samples go from {low:g} to {high:g} s")
 
 
@@ -565,7 +565,7 @@ def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> 
     """
     from . import page
 
-    several = [results] if isinstance(results, Result) else list(results)
-    if not all(isinstance(result, Result) for result in several):
+    many = [results] if isinstance(results, Result) else list(results)
+    if not all(isinstance(result, Result) for result in many):
         raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
-    return page.of_results(several, pathlib.Path(path))
+    return page.of_results(many, pathlib.Path(path))

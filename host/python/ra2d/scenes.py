@@ -262,10 +262,10 @@ def _named(name: str) -> pathlib.Path:
     for folder in folders:
         if (folder / f"{name}.toml").is_file():
             return folder / f"{name}.toml"
-    known = sorted({file.stem for folder in folders for file in folder.glob("*.toml")
+    found_names = sorted({file.stem for folder in folders for file in folder.glob("*.toml")
                     if "[resonator]" in files.read(file)})
     raise RequestError(f"there is no file and no scene {name!r}. Scenes that come with ra2d: "
-                       f"{', '.join(known) or 'none found'}")
+                       f"{', '.join(found_names) or 'none found'}")
 
 
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:

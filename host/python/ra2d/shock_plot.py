@@ -41,9 +41,9 @@ def _window(result: Result, shock: pd.Series[float]) -> slice:
     return slice(shock["start"] - more, shock["start"] + shock["duration"] + more)
 
 
-def _draw_samples(axes: Any, place: Any, values: xr.DataArray, one: float, look: int, label: str | None) -> None:
-    axes.plot(place(values.time.values), values.values / one, color=style.SERIES[look], ls=style.LINES[look], lw=1.1,
-              marker=style.MARKS[look], ms=3.5 if values.size < 120 else 0, label=label, zorder=3)
+def _draw_samples(axes: Any, place: Any, values: xr.DataArray, one: float, number: int, label: str | None) -> None:
+    axes.plot(place(values.time.values), values.values / one, color=style.SERIES[number], ls=style.LINES[number], lw=1.1,
+              marker=style.MARKS[number], ms=3.5 if values.size < 120 else 0, label=label, zorder=3)
 
 
 def _shade(axes: Any, place: Any, near: pd.DataFrame, number: int) -> None:
@@ -70,8 +70,8 @@ def _draw_force(axes: Any, place: Any, force: xr.DataArray, shock: pd.Series[flo
 
 def _draw_probes(axes: Any, place: Any, lines: list[tuple[str, xr.DataArray]], what: str, unit_name: str, left: int) -> None:
     unit, one = scale(unit_name, *(values.values for _, values in lines))
-    for look, (label, values) in enumerate(lines):
-        _draw_samples(axes, place, values, one, look, label)
+    for number, (label, values) in enumerate(lines):
+        _draw_samples(axes, place, values, one, number, label)
     axes.set_ylabel(f"{what} [{unit}]")
     axes.set_title(f"{what.capitalize()} of probes" + (f" ({left} more are not drawn)" if left else ""))
     style.room_above(axes, 0.2)

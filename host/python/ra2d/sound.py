@@ -399,7 +399,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
     """The pressure at microphones as sound, by `ra2d sound` with these options for their places."""
     from scipy.io import wavfile
 
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as told:
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as messages:
         warnings.simplefilter("always")
         made = pathlib.Path(folder) / "heard.wav"
         words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--normalize": bool(normalize),
@@ -408,7 +408,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
         about = json.loads(made.with_name("heard.wav.json").read_text("utf-8"))
         found, samples = wavfile.read(made)
     del about["file"]
-    return Sound(samples.astype(float), int(found), about, tuple(str(one.message) for one in told))
+    return Sound(samples.astype(float), int(found), about, tuple(str(one.message) for one in messages))
 
 
 def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1, rate: int = 48000,

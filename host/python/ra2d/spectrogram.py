@@ -46,15 +46,15 @@ def densities(result: Result) -> tuple[Array, Array, Array, int]:
         return np.empty(0), np.empty(0), np.empty((0, 0)), 0
     hop = length // 4
     count = (samples - length) // hop + 1
-    together = math.ceil(count / MOST_COLUMNS)
-    count -= count % together
+    per_column = math.ceil(count / MOST_COLUMNS)
+    count -= count % per_column
     weight = modes.mean_square.values
     audible = np.flatnonzero(weight)
     window = np.hanning(length + 1)[:-1]
     factor = np.full(length // 2 + 1, 2 / (rate * float((window ** 2).sum())))
     factor[[0, -1]] /= 2
-    found = np.zeros((length // 2 + 1, count // together))
-    step = max(_AT_ONCE // together, 1) * together
+    found = np.zeros((length // 2 + 1, count // per_column))
+    step = max(_AT_ONCE // per_column, 1) * per_column
     for first in range(0, count, step):
         last = min(first + step, count)
         rows = modes.velocity[first * hop:(last - 1) * hop + length].values
@@ -62,10 +62,10 @@ def densities(result: Result) -> tuple[Array, Array, Array, int]:
         power = np.zeros((last - first, length // 2 + 1))
         for k in audible:
             power += weight[k] * np.abs(np.fft.rfft(rows[at, k] * window)) ** 2
-        mean = power.reshape(-1, together, power.shape[1]).mean(axis=1)
-        found[:, first // together:last // together] = (mean * factor).T
+        mean = power.reshape(-1, per_column, power.shape[1]).mean(axis=1)
+        found[:, first // per_column:last // per_column] = (mean * factor).T
     begin = float(modes.time[0])
-    middles = begin + (hop * (np.arange(count // together) * together + (together - 1) / 2) + length / 2) / rate
+    middles = begin + (hop * (np.arange(count // per_column) * per_column + (per_column - 1) / 2) + length / 2) / rate
     return middles, np.fft.rfftfreq(length, 1 / rate), found, length
 
 

@@ -90,8 +90,8 @@ class _Panel:
         span = 0.03 * aside  # bars stand apart
         marks = x * (max(everywhere) / min(everywhere)) ** span if self.log else x + span * (np.ptp(everywhere) or 1)
         level = of["level"].to_numpy()
-        reach = [np.nan_to_num(level - of["level_low"].to_numpy()), np.nan_to_num(of["level_high"].to_numpy() - level)]
-        self.axes.errorbar(marks, level, yerr=reach, fmt=mark, ms=5, color=colour, mec="white", mew=0.5,
+        half_interval = [np.nan_to_num(level - of["level_low"].to_numpy()), np.nan_to_num(of["level_high"].to_numpy() - level)]
+        self.axes.errorbar(marks, level, yerr=half_interval, fmt=mark, ms=5, color=colour, mec="white", mew=0.5,
                            ecolor=(*matplotlib.colors.to_rgb(colour), 0.55), elinewidth=1.2, capsize=0, zorder=3)
         if self.law and self.name in self.law.exponents and len(of) > 1:
             at = np.geomspace(x[0], x[-1], 40)

@@ -36,9 +36,9 @@ def of_measured(measured, folder):
 def test_seeds_are_those_of_a_study_and_chance_is_its_interval(budget, base, folder):
     runs = ra2d.study(base.change(duration=0.05, rate=1e4), {"tolerance": [1e-6]}, seeds=4, folder=folder / "seeds",
                       show=False)
-    asked = runs.means().iloc[0]
-    assert budget.level == pytest.approx(asked.level, abs=1e-9)
-    assert budget.table.level["chance"] == pytest.approx(asked.level_high - asked.level, rel=1e-9)
+    options = runs.means().iloc[0]
+    assert budget.level == pytest.approx(options.level, abs=1e-9)
+    assert budget.table.level["chance"] == pytest.approx(options.level_high - options.level, rel=1e-9)
 
 
 def test_shifts_are_paired_and_the_whole_is_their_sum_of_squares(budget):
@@ -62,11 +62,11 @@ def test_a_stiffer_contact_makes_shorter_shocks(budget):
 
 
 def test_text_json_and_csv_say_the_same(budget, folder):
-    told = json.loads(budget.to_json())
-    assert told["quantities"]["level"]["value"] == budget.level and not told["notes"]
+    messages = json.loads(budget.to_json())
+    assert messages["quantities"]["level"]["value"] == budget.level and not messages["notes"]
     rows = list(csv.DictReader(budget.to_csv(folder / "b.csv").open()))
-    assert [row["source"] for row in rows] == [source["source"] for source in told["sources"]]
-    assert float(rows[1]["level_dB"]) == told["sources"][1]["level"]["shift"] == budget.table.level.iloc[1]
+    assert [row["source"] for row in rows] == [source["source"] for source in messages["sources"]]
+    assert float(rows[1]["level_dB"]) == messages["sources"][1]["level"]["shift"] == budget.table.level.iloc[1]
     assert f"{budget.level:.1f} dB" in budget.text() and "±" in budget.text()
     with pytest.raises(ra2d.FileError, match="no folder"):
         budget.to_csv(folder / "no" / "b.csv")
@@ -123,9 +123,9 @@ def test_realisations_are_of_the_heights_that_a_run_has(of_measured, measured, f
     """At the nodes of the scene: the program's own heights, filtered and levelled."""
     ran = ra2d.run(measured, output=folder / "with-face.h5", show=False)
     place = folder / "of-measured"
-    asked = faces_of(place, "as-measured")
-    assert np.allclose(asked[::2] - asked[::2].mean(), ran.profile("slider").values, atol=1e-15, rtol=0)
-    assert np.array_equal(faces_of(place, "mirror-image"), asked[::-1])
+    options = faces_of(place, "as-measured")
+    assert np.allclose(options[::2] - options[::2].mean(), ran.profile("slider").values, atol=1e-15, rtol=0)
+    assert np.array_equal(faces_of(place, "mirror-image"), options[::-1])
     level = of_measured.runs.set_index(["source", "realisation"]).level["as asked", 1]
     assert level == pytest.approx(ran.level, abs=0.5)  # a rounding of heights makes other trajectories
     moved = faces_of(place, "offset-20-mm")

@@ -192,9 +192,9 @@ def test_uncertainty_prints_the_packages_budget(place, dang):
                                folder=place / "again", show=False)
     assert said.stdout == same.text() + "\n" and (place / "table.csv").read_text() == same.csv()
     assert (place / "dang2012-uncertainty" / "results.h5").is_file()
-    told = ra2d(place, "uncertainty", dang, "--seeds", "3", "--json", "--threads", "1", *SMALL)
-    assert json.loads(told.stdout) == json.loads(same.to_json())
-    assert "stiffness" in told.stderr and told.stderr.count("half-spaces") <= 2  # doubts of the scene, told by the program
+    messages = ra2d(place, "uncertainty", dang, "--seeds", "3", "--json", "--threads", "1", *SMALL)
+    assert json.loads(messages.stdout) == json.loads(same.to_json())
+    assert "stiffness" in messages.stderr and messages.stderr.count("half-spaces") <= 2  # doubts of the scene, told by the program
 
 
 def test_uncertainty_refuses_what_is_wrong(place, dang):
@@ -217,8 +217,8 @@ def test_compare_prints_the_packages_comparison(place, result, study):
     assert said.returncode == 0 and said.stderr == ""
     assert said.stdout == package.compare(result, place / "out.h5").text() + "\n"
     assert "scene.duration [s]" in said.stdout and "the run is too short" in said.stdout
-    told = json.loads(ra2d(place, "compare", result.path, "out.h5", "--json").stdout)
-    assert told == json.loads(package.compare(result, place / "out.h5").to_json())
+    messages = json.loads(ra2d(place, "compare", result.path, "out.h5", "--json").stdout)
+    assert messages == json.loads(package.compare(result, place / "out.h5").to_json())
     (place / "broken.h5").write_bytes((place / "out.h5").read_bytes()[:5000])
     for other, status in (("no.h5", 4), ("broken.h5", 4), (str(study.folder), 2), (".", 2)):
         ended = ra2d(place, "compare", "out.h5", other)

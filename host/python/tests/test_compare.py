@@ -152,10 +152,10 @@ def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
 
 def test_json_has_no_nan_and_says_what_the_text_says(result, other):
     found = ra2d.compare(result, other)
-    told = json.loads(found.to_json())
-    assert told["scene"] == [{"key": "contact.stiffness", "a": 1e15, "b": 5e14, "unit": "Pa/m"}]
-    assert [row["quantity"] for row in told["answers"]] == found.answers.index.tolist()
-    assert isinstance(told["answers"][0]["differs"], bool) and told["test"] in found.text()
+    messages = json.loads(found.to_json())
+    assert messages["scene"] == [{"key": "contact.stiffness", "a": 1e15, "b": 5e14, "unit": "Pa/m"}]
+    assert [row["quantity"] for row in messages["answers"]] == found.answers.index.tolist()
+    assert isinstance(messages["answers"][0]["differs"], bool) and messages["test"] in found.text()
     assert "contact.stiffness" in found._repr_html_()
 
 

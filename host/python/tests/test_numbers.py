@@ -19,12 +19,12 @@ def answer(*words):
 
 
 def test_level_and_rate_are_those_of_analyze(result):
-    told = answer("analyze", result.path)
+    messages = answer("analyze", result.path)
     assert (result.level, result.level.low, result.level.high) == (
-        told["lv"], told["lv_interval"]["low"], told["lv_interval"]["high"])
-    rate = told["shocks"]["rate_interval"]
-    assert (result.shock_rate, result.shock_rate.low) == (told["shocks"]["rate"], rate["low"])
-    assert len(result.shocks) == told["shocks"]["count"]
+        messages["lv"], messages["lv_interval"]["low"], messages["lv_interval"]["high"])
+    rate = messages["shocks"]["rate_interval"]
+    assert (result.shock_rate, result.shock_rate.low) == (messages["shocks"]["rate"], rate["low"])
+    assert len(result.shocks) == messages["shocks"]["count"]
 
 
 def test_a_level_without_interval_says_why(base, folder):
@@ -34,12 +34,12 @@ def test_a_level_without_interval_says_why(base, folder):
 
 
 def test_spectrum_and_bands_are_those_of_analyze(result):
-    told = answer("analyze", result.path, "--from", 0.2, "--resolution", 50)
+    messages = answer("analyze", result.path, "--from", 0.2, "--resolution", 50)
     spectrum = result.spectrum(start=0.2, resolution=50.0)
-    assert np.array_equal(spectrum.density, told["spectrum"]["psd_mean"])
-    assert np.array_equal(spectrum.density_probe.sel(position=0.15), told["spectrum"]["psd_probe"][0])
+    assert np.array_equal(spectrum.density, messages["spectrum"]["psd_mean"])
+    assert np.array_equal(spectrum.density_probe.sel(position=0.15), messages["spectrum"]["psd_probe"][0])
     bands = result.bands(start=0.2, resolution=50.0, a_weighting=True)
-    assert np.array_equal(bands.level, told["bands"]["level"]) and (bands.level_a < bands.level).any()
+    assert np.array_equal(bands.level, messages["bands"]["level"]) and (bands.level_a < bands.level).any()
 
 
 @pytest.mark.parametrize("what", ["displacement", "velocity"])
@@ -64,8 +64,8 @@ def test_level_in_time_is_the_level_of_each_stretch(result):
     """Of the program over the samples of one window."""
     time_, levels = plots.level_in_time(result)
     edges = np.linspace(0, result.samples, len(levels) + 1).astype(int)
-    told = answer("analyze", result.path, "--from", edges[40] / 1e5, "--to", (edges[41] - 1) / 1e5)
-    assert levels[40] == pytest.approx(told["lv"], abs=1e-9)
+    messages = answer("analyze", result.path, "--from", edges[40] / 1e5, "--to", (edges[41] - 1) / 1e5)
+    assert levels[40] == pytest.approx(messages["lv"], abs=1e-9)
     assert edges[40] / 1e5 < time_[40] < edges[41] / 1e5
 
 

@@ -182,10 +182,10 @@ def test_several_results_lie_over_one_another(result, base, folder):
 def test_a_stretch_has_the_numbers_of_the_stretch(result):
     """Those of `ra2d analyze --from --to`; sums of energy count from its first sample."""
     part = stretch.of(result, 0.2, 0.3)
-    told = result.analysis(start=0.2, stop=0.3)
-    assert part.level == told["lv"] and len(part.shocks) == told["shocks"]["count"] and part.samples == 10_001
+    messages = result.analysis(start=0.2, stop=0.3)
+    assert part.level == messages["lv"] and len(part.shocks) == messages["shocks"]["count"] and part.samples == 10_001
     assert float(part.contact.time[0]) == 0.2 and float(part.probes.time[-1]) == pytest.approx(0.3)
-    assert part.bands().level.values[-3] == told["bands"]["level"][-3]
+    assert part.bands().level.values[-3] == messages["bands"]["level"][-3]
     assert float(part.energy.damping_loss[0]) == 0
     lost = result.energy.damping_loss.sel(time=[0.2, 0.3], method="nearest").values
     assert float(part.energy.damping_loss[-1]) == pytest.approx(lost[1] - lost[0], rel=1e-9)

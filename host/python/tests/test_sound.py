@@ -167,10 +167,10 @@ def test_the_same_sound_is_the_same_bytes():
 
 
 @pytest.mark.parametrize("title, told", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""), ("r\u00fch", "r\u00fch")])
-def test_titles_from_outside(title, told):
+def test_titles_from_outside(title, messages):
     result = moving(sine(1000, 3e-3), count=1001)
     result.title = title
-    assert read(sound.of_probe(result), "flac-24").title == told
+    assert read(sound.of_probe(result), "flac-24").title == messages
 
 
 def test_what_the_rates_leave_out_is_said():

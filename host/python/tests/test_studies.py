@@ -11,7 +11,7 @@ import xarray as xr
 import ra2d
 
 
-def told(study):
+def messages(study):
     words = [ra2d.find(), "analyze", study.folder, "--json"]
     return json.loads(subprocess.run(words, capture_output=True, check=True).stdout)
 
@@ -24,7 +24,7 @@ def test_the_table_is_an_xarray_dataset_with_units(study):
 
 
 def test_law_and_means_are_those_of_analyze(study):
-    answer, law = told(study), study.law()
+    answer, law = messages(study), study.law()
     for name, exponent in answer["law"]["exponents"].items():
         assert (law[name], law[name].low, law[name].high) == (exponent["value"], exponent["low"], exponent["high"])
     point = answer["points"][3]
@@ -105,9 +105,9 @@ def test_sound_is_a_column_with_a_law(folder):
                                          tolerance=1e-6, rate=4e4)
     heard = ra2d.study(base, vary={"speed": [0.1, 0.2, 0.4]}, seeds=2, folder=folder / "heard", keep_sound=True, show=False)
     assert heard.lpa.shape == (3, 2) and heard.lw.units == "dB" and np.isfinite(heard.lwa).all()
-    told_of = told(heard)["sound_laws"]["lpa"]
+    messages_of = messages(heard)["sound_laws"]["lpa"]
     law = heard.law("lpa")
-    assert law["speed"] == told_of["exponents"]["speed"]["value"] and law.amplitude in repr(law)
+    assert law["speed"] == messages_of["exponents"]["speed"]["value"] and law.amplitude in repr(law)
     assert heard.means().loc[0.2, "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
     text = heard.report(folder / "heard.html").read_text()
     assert "pressure, dB(A)" in text and "A-weighted" in text
