@@ -106,7 +106,7 @@ testing::AssertionResult Comparison::result() const {
   std::vector<Difference> found = found_;
   std::stable_sort(found.begin(), found.end(),
                    [](const Difference& a, const Difference& b) { return a.when < b.when; });
-  constexpr std::size_t most = 8;
+  constexpr std::size_t most = 10;
   testing::AssertionResult result = testing::AssertionFailure();
   result << found.size() << " of " << quantities_ << " quantities differ:";
   for (std::size_t i = 0; i < std::min(most, found.size()); ++i) result << "\n  " << found[i].text;

@@ -234,8 +234,7 @@ void add_checkpoints(CLI::App& command, double& checkpoint, double& most_wall) {
   command
       .add_option(
           "--checkpoint", checkpoint,
-          "wall time between two checkpoints of a run, from which the same command continues "
-          "after a crash")
+          "wall time between two checkpoints, from which the same command continues after a crash")
       ->type_name("MINUTES")
       ->check(number_from(1e-6, 1e6, "from 1e-6 to 1e6"))
       ->capture_default_str();

@@ -51,7 +51,7 @@ TEST(Compare, OneBitOfOneSampleIsNamed) {
   const testing::AssertionResult result = same(a, b);
   EXPECT_FALSE(result);
   EXPECT_EQ(said(result),
-            "1 of 46 quantities differ:\n"
+            "1 of 50 quantities differ:\n"
             "  resonator velocity: sample 2 (t = 2e-06 s), mode 1: 2 and 2.0000000000000004, 1 ulp "
             "apart; 1 of 8 differ");
 }
@@ -66,7 +66,7 @@ TEST(Compare, TheEarliestIsSaidFirst) {
   const std::string text = said(same(a, b));
   EXPECT_EQ(
       text,
-      "4 of 46 quantities differ:\n"
+      "4 of 50 quantities differ:\n"
       "  shocks: impulse: shock 0 (t = 5e-07 s): 3 and 3.000000000000001, 2 ulps apart; 1 of 2 "
       "differ\n"
       "  slider displacement: sample 1 (t = 1e-06 s): 1 and 2, 4503599627370496 ulps apart; 3 "
