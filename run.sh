@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# ./run.sh [SCENE.toml] [options]: installs what is missing, builds, and runs `ra2d run` on the scene. Options are those
-# of `ra2d run`. Without a scene: the paper's, with the scheme `adaptive` instead of the paper's own.
+# ./run.sh [SCENE.toml] [options]: installs what is missing, builds, and runs `ra2d run` on the
+# scene. Options are those of `ra2d run`. Without a scene: the paper's, with the scheme `adaptive`
+# instead of the paper's own.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$root/cmake/house.sh"

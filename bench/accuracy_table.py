@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """accuracy_table.py PREFIX.csv: what reaches an error at the least cost, as docs/ has it.
 
-Of the table that `ra2d chart accuracy` writes: seconds of wall time per simulated second at which each method reaches an
-error of the state before the 5th shock, between two of its settings interpolated in the logarithms; the best of its
-kind, and in brackets how many times the time of adaptive that is.
+Of the table that `ra2d chart accuracy` writes: seconds of wall time per simulated second at which
+each method reaches an error of the state before the 5th shock, between two of its settings
+interpolated in the logarithms; the best of its kind, and in brackets how many times the time of
+adaptive that is.
 """
 import csv
 import math

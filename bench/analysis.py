@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What surfaces and results take: wall time and peak memory of `ra2d surface generate` of a profile of 1e6 nodes,
-of `ra2d surface measure` of one, and of `ra2d analyze` of a second of the paper's scene at 100 kHz.
+"""What surfaces and results take: wall time and peak memory of `ra2d surface generate` of a profile
+of 1e6 nodes, of `ra2d surface measure` of one, and of `ra2d analyze` of a second of the paper's
+scene at 100 kHz.
 
-usage: analysis.py [--rounds N] [--nodes N] [--seconds S] [--folder FOLDER] PROGRAM [OTHER_PROGRAM ...]
+usage: analysis.py [--rounds N] [--nodes N] [--seconds S] [--folder FOLDER] PROGRAM [OTHER_PROGRAM
+       ...]
 
-Makes its inputs itself, with the first program. The programs take turns, so that all see the same machine. Files go
-to FOLDER (/dev/shm unless told otherwise: a disk is another matter) and are removed. Prints medians of the wall time
-from start to exit and of the processor time of all threads in ms, the least wall time, and the largest peak of memory
-in MB. Standard library only.
+Makes its inputs itself, with the first program. The programs take turns, so that all see the same
+machine. Files go to FOLDER (/dev/shm unless told otherwise: a disk is another matter) and are
+removed. Prints medians of the wall time from start to exit and of the processor time of all threads
+in ms, the least wall time, and the largest peak of memory in MB. Standard library only.
 
     bench/analysis.py build/release/ra2d
 """

@@ -1,16 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What checkpoints cost: a long run of the paper's scene with a checkpoint every so many seconds, against the
-same run with none.
+"""What checkpoints cost: a long run of the paper's scene with a checkpoint every so many seconds,
+against the same run with none.
 
-usage: checkpoints.py PROGRAM [--seconds S] [--every S ...] [--runs N] [--folder FOLDER] [--set KEY=VALUE ...]
+usage: checkpoints.py PROGRAM [--seconds S] [--every S ...] [--runs N] [--folder FOLDER] [--set
+       KEY=VALUE ...]
 
-The run takes about S seconds of wall time and records at the scene's rate; its files go to FOLDER, which should
-stand on the disk that results go to. What a run does beside its march is compared, and the runs take turns, so
-that the machine's other work counts little. One checkpoint costs the same whatever it covers (its state, and
-files brought to the disk), and something for each second that it covers: what was recorded is written as segments
-and once more as one file. Both are fitted, and give the cost at the default of ten minutes. The second goes with
-output.rate, which --set changes. Standard library only.
+The run takes about S seconds of wall time and records at the scene's rate; its files go to FOLDER,
+which should stand on the disk that results go to. What a run does beside its march is compared, and
+the runs take turns, so that the machine's other work counts little. One checkpoint costs the same
+whatever it covers (its state, and files brought to the disk), and something for each second that it
+covers: what was recorded is written as segments and once more as one file. Both are fitted, and
+give the cost at the default of ten minutes. The second goes with output.rate, which --set changes.
+Standard library only.
 
     bench/checkpoints.py build/release/ra2d
 """

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """compare.py OLD NEW [--filter REGEX] [--rounds N]: two builds of one benchmark, run in turns.
 
-A table of the cases: the time of both, the ratio of the medians, and how far the medians
-of two halves of one program's own rounds are apart. What is slower by more than that, and by more than
-2 %, is marked. Cases that fail are named and left out.
+A table of the cases: the time of both, the ratio of the medians, and how far the medians of two
+halves of one program's own rounds are apart. What is slower by more than that, and by more than 2
+%, is marked. Cases that fail are named and left out.
 """
 
 import argparse
@@ -16,8 +16,8 @@ import tempfile
 
 
 def time_of(case):
-    """What the benchmark times: the march alone where it says so (manual time), else processor time. That of all
-    threads counts those that wait, too."""
+    """What the benchmark times: the march alone where it says so (manual time), else processor
+    time. That of all threads counts those that wait, too."""
     return case.get("cpu_ns_per_step", case["real_time"] if "/manual_time" in case["name"] else case["cpu_time"])
 
 

@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How often the 95 % intervals of level and rate of shocks hold the truth, on real runs of short scenes.
+"""How often the 95 % intervals of level and rate of shocks hold the truth, on real runs of short
+scenes.
 
 usage: coverage.py [--folder FOLDER] [--threads N] [--short] PROGRAM
 
-Of several runs: a study of 1000 seeds of each scene, whose mean is taken for the truth, and 20 000 draws of 3, 5, 10
-and 20 runs from them. The intervals are computed here by their formula (docs/analysis.md), which is compared with the
-program's for all runs.
+Of several runs: a study of 1000 seeds of each scene, whose mean is taken for the truth, and 20 000
+draws of 3, 5, 10 and 20 runs from them. The intervals are computed here by their formula
+(docs/analysis.md), which is compared with the program's for all runs.
 
-Of one run: the intervals that `ra2d analyze` prints for runs of a second, 24 sliders on 10 plates each. They are to
-hold the mean over the plates with the slider that the run has; how often they hold the mean over all is the other
-column, to show what they do not promise.
+Of one run: the intervals that `ra2d analyze` prints for runs of a second, 24 sliders on 10 plates
+each. They are to hold the mean over the plates with the slider that the run has; how often they
+hold the mean over all is the other column, to show what they do not promise.
 
-Prints how often the intervals of docs/analysis.md hold the truth. FOLDER keeps the studies (a temporary one without it). Half an hour of one core.
-Needs numpy, scipy and h5py.
+Prints how often the intervals of docs/analysis.md hold the truth. FOLDER keeps the studies (a
+temporary one without it). Half an hour of one core. Needs numpy, scipy and h5py.
 
     bench/coverage.py build/release/ra2d
 """
@@ -55,7 +56,8 @@ def study(options, name, scene, seeds, vary, files):
 
 
 def interval(values, positive):
-    """Low and high of the mean of each row: Student's t, of positive values of the mean's logarithm."""
+    """Low and high of the mean of each row: Student's t, of positive values of the mean's
+    logarithm."""
     n = values.shape[1]
     mean = values.mean(1)
     half = scipy.stats.t.ppf(0.975, n - 1) * values.std(1, ddof=1) / math.sqrt(n)

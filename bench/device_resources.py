@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each compiled march takes of a GPU, and what that leaves room for: registers, stack, spills and shared memory, as
-ptxas says, and how many scenes, a warp each, are then in flight on a multiprocessor and on a card.
+"""What each compiled march takes of a GPU, and what that leaves room for: registers, stack, spills
+and shared memory, as ptxas says, and how many scenes, a warp each, are then in flight on a
+multiprocessor and on a card.
 
-usage: device_resources.py [--architecture sm_90] [--multiprocessors 132] [--registers N] [--only TEXT] [--jobs N]
+usage: device_resources.py [--architecture sm_90] [--multiprocessors 132] [--registers N] [--only
+       TEXT] [--jobs N]
                            [-o TABLE.csv] BUILD
 
-BUILD is a folder that was configured for CUDA; nothing in it has to be built. No GPU is needed. --registers
-asks what would come of it if no thread had more; --only takes the sources whose names have TEXT in them:
+BUILD is a folder that was configured for CUDA; nothing in it has to be built. No GPU is needed.
+--registers asks what would come of it if no thread had more; --only takes the sources whose names
+have TEXT in them:
 
     cmake --preset cuda && bench/device_resources.py build/cuda
 
@@ -26,8 +29,8 @@ import tempfile
 
 FORMS = ["semi_implicit", "staged", "implicit", "adaptive"]  # Form in kernels/tables.hpp
 WARP = 32
-# of a multiprocessor of compute capability 8.0, 9.0 and 10.0 alike (CUDA C++ Programming Guide, technical
-# specifications): 32-bit registers, which a warp gets in pieces of 256, and blocks
+# of a multiprocessor of compute capability 8.0, 9.0 and 10.0 alike (CUDA C++ Programming Guide,
+# technical specifications): 32-bit registers, which a warp gets in pieces of 256, and blocks
 REGISTERS, PIECE, BLOCKS = 65536, 256, 32
 
 

@@ -4,9 +4,10 @@
 
 usage: RA2D=build/release/ra2d PYTHONPATH=host/python bench/false_alarms.py [PAIRS] [FOLDER]
 
-Second runs of the paper's scene have contacts stiffer by 1e-7: their trajectories part, their statistics do not. Expected:
-5 % of the quantities, and 5 % of the families of third octaves. Then neighbours, whose seeds differ: what the
-test would mark, had it not been told that the faces differ. Then sets of five runs with other seeds on either side.
+Second runs of the paper's scene have contacts stiffer by 1e-7: their trajectories part, their
+statistics do not. Expected: 5 % of the quantities, and 5 % of the families of third octaves. Then
+neighbours, whose seeds differ: what the test would mark, had it not been told that the faces
+differ. Then sets of five runs with other seeds on either side.
 
 Found with 60 pairs: 18 of 420 and 3 of 60; between seeds 155 of 413; between sets 22 of 420.
 """

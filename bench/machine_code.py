@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The machine instructions that a warp issues, from how often each line of PTX was run; for device_counts.py.
+"""The machine instructions that a warp issues, from how often each line of PTX was run; for
+device_counts.py.
 
-ptxas says from which line of the PTX it made each instruction. It moves, joins and copies code, so a line's
-instructions are not issued as often as the line was run. But those of one basic block are all issued equally often:
-here as often as the median of what their lines say, a line's runs shared evenly among ptxas' copies of it. Where the
-number is known (exchanges between lanes, loads and stores each are one instruction in PTX and in machine code), the
-method is checked against it: `MachineCode.issued` says how far it is off.
+ptxas says from which line of the PTX it made each instruction. It moves, joins and copies code, so
+a line's instructions are not issued as often as the line was run. But those of one basic block are
+all issued equally often: here as often as the median of what their lines say, a line's runs shared
+evenly among ptxas' copies of it. Where the number is known (exchanges between lanes, loads and
+stores each are one instruction in PTX and in machine code), the method is checked against it:
+`MachineCode.issued` says how far it is off.
 
-Left out is what runs in rare cases only: divisions and roots of numbers next to the limits of a double, and exchanges
-of a warp whose lanes have not met.
+Left out is what runs in rare cases only: divisions and roots of numbers next to the limits of a
+double, and exchanges of a warp whose lanes have not met.
 """
 import collections
 import re
@@ -17,7 +19,8 @@ import struct
 import subprocess
 
 BYTES = 16  # of an instruction, from compute capability 7.0
-# the lowest 12 bits of an instruction. No document of NVIDIA's lists them; nvdisasm shows them beside their names
+# the lowest 12 bits of an instruction. No document of NVIDIA's lists them; nvdisasm shows them
+# beside their names
 BRANCH, INDIRECT, CALL, RETURN, EXIT, MEET_OUT_OF_LINE = 0x947, 0x949, 0x944, 0x950, 0x94D, 0x348
 # the lowest 9: without the kinds of operands
 EXCHANGE, LOADS, STORES, LOCAL_LOAD, LOCAL_STORE = 0x189, {0x180, 0x181}, {0x185, 0x186}, 0x183, 0x187
@@ -26,7 +29,8 @@ ALWAYS = 7  # the predicate of an instruction that has none
 
 
 def with_lines(text):
-    """The PTX of the kernel `march` alone, where each instruction says its own line instead of the source's."""
+    """The PTX of the kernel `march` alone, where each instruction says its own line instead of the
+    source's."""
     out, inside, heading = [], False, True
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith(".visible .entry march("):
@@ -42,7 +46,8 @@ def with_lines(text):
 
 
 def kind_of(opcode):
-    """What PTX's instruction is in machine code, where that is one instruction; as a set of codes."""
+    """What PTX's instruction is in machine code, where that is one instruction; as a set of
+    codes."""
     if opcode.startswith("shfl."):
         return {EXCHANGE}
     if opcode.startswith("ld."):
@@ -110,8 +115,8 @@ class MachineCode:
         return self.words[at][0] >> 12 & 0xF == ALWAYS
 
     def _target(self, at):
-        """Where a branch goes. Its distance counts in 4 bytes: the lowest 8 bits stand in bits 16 to 23 of the
-        instruction, the others from bit 34."""
+        """Where a branch goes. Its distance counts in 4 bytes: the lowest 8 bits stand in bits 16
+        to 23 of the instruction, the others from bit 34."""
         low, high = self.words[at]
         upper = low >> 34 | (high & 0x3FFFF) << 30
         upper -= (upper >> 47) << 48
@@ -160,8 +165,9 @@ class MachineCode:
         return times.get(line, 0) / (self.copies.get(line) or self.usual_copies.get(self.ptx_block.get(line), 1))
 
     def issued(self, times):
-        """The instructions issued where line k of the PTX was run times[k] times; and the error of the method: of the
-        numbers of exchanges, loads and stores, the one that is furthest from the known, as a share."""
+        """The instructions issued where line k of the PTX was run times[k] times; and the error of
+        the method: of the numbers of exchanges, loads and stores, the one that is furthest from the
+        known, as a share."""
         total, found = 0, collections.Counter()
         for block in self.blocks:
             runs = statistics.median_low(self._runs(self.line[at], times) for at in block)

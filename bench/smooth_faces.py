@@ -2,27 +2,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What answers owe to the mesh, between linear and between smooth faces (scene.faces).
 
-    bench/smooth_faces.py convergence PROGRAM [OUT.csv] [--seeds 10] [--duration 1] [--stiffness 1e15 1e16 1e17]
+    bench/smooth_faces.py convergence PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
+                                      [--stiffness 1e15 1e16 1e17]
     bench/smooth_faces.py tone        PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
     bench/smooth_faces.py parts       PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
 
-PROGRAM is ra2d. Each case runs scenes/dang2012.toml over several seeds of both surfaces and appends its numbers to
-OUT.csv (smooth_faces_CASE.csv beside this script); runs whose row is there already are not run again, so it can be
-interrupted. `--summary` runs nothing and prints the means, with 95 % intervals over the seeds. With --jobs N, N runs at
-a time. convergence takes some 20 minutes on one core; --seeds 3 --duration 0.2 one. --chart FILE also draws
-convergence: the error of the rate over the time of a run.
+PROGRAM is ra2d. Each case runs scenes/dang2012.toml over several seeds of both surfaces and appends
+its numbers to OUT.csv (smooth_faces_CASE.csv beside this script); runs whose row is there already
+are not run again, so it can be interrupted. `--summary` runs nothing and prints the means, with 95
+% intervals over the seeds. With --jobs N, N runs at a time. convergence takes some 20 minutes on
+one core; --seeds 3 --duration 0.2 one. --chart FILE also draws
+convergence's error of the rate over the time of a run.
 
-convergence: level, rate of shocks, durations and peak forces over the spacing, and the processor time.
-tone: how far the line at speed/spacing stands above the spectrum around it. Each spectrum is averaged over the
-  resonator; the line is the mean of the five lines at the tone, its surroundings the 20 lines on either side beyond
-  five. The rise is the ratio of the means over the seeds, in dB; its interval comes from leaving out one seed at a time.
-  The control is the rise at the same frequency between smooth faces of the other spacings, whose mesh has no tone there:
-  what the modes and the slope of the spectrum make.
-parts: which part of the tone at 8 um is which face's. Both faces are files with a height every 1 um. The resonator's is
-  the straight lines between its heights every 8 um ("chords", as a linear face there), or the spline through them. The
-  slider's is the spline, sampled at every 1 um, or only every eighth of its nodes can touch ("nodes": the others are
-  lowered by 0.4 um, and the stiffness is eight times as large). So "chords" under "nodes" is the linear scene at 8 um,
-  and "spline" under "spline", the control, has no mesh of 8 um.
+convergence: level, rate of shocks, durations and peak forces over the spacing, and the processor
+  time.
+tone: how far the line at speed/spacing stands above the spectrum around it. Each spectrum is
+  averaged over the resonator; the line is the mean of the five lines at the tone, its surroundings
+  the 20 lines on either side beyond five. The rise is the ratio of the means over the seeds, in dB;
+  its interval comes from leaving out one seed at a time. The control is the rise at the same
+  frequency between smooth faces of the other spacings, whose mesh has no tone there: what the modes
+  and the slope of the spectrum make.
+parts: which part of the tone at 8 um is which face's. Both faces are files with a height every 1
+  um. The resonator's is the straight lines between its heights every 8 um ("chords", as a linear
+  face there), or the spline through them. The slider's is the spline, sampled at every 1 um, or
+  only every eighth of its nodes can touch ("nodes": the others are lowered by 0.4 um, and the
+  stiffness is eight times as large). So "chords" under "nodes" is the linear scene at 8 um, and
+  "spline" under "spline", the control, has no mesh of 8 um.
 """
 import argparse
 import concurrent.futures
@@ -237,14 +242,16 @@ FLOOR = 0.1  # %, the least difference that the chart can show
 
 
 def rate_error(found, limit):
-    """Of the rate of shocks, over pairs of the same seed [%]: its difference to the limit, and half its interval."""
+    """Of the rate of shocks, over pairs of the same seed [%]: its difference to the limit, and half
+    its interval."""
     shared = [seed for seed in found if seed in limit]
     logs = [math.log(float(found[s]["rate"]) / float(limit[s]["rate"])) for s in shared]
     return 100 * abs(math.expm1(statistics.mean(logs))), 100 * half_width(logs)
 
 
 def draw_convergence(rows, file):
-    """For each stiffness the rate's difference to the finest smooth faces over the seconds of a simulated second."""
+    """For each stiffness the rate's difference to the finest smooth faces over the seconds of a
+    simulated second."""
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Memory, disk and time of a study against the number of its runs, all tiny: a first run of it, and the same line
-again when all is done.
+"""Memory, disk and time of a study against the number of its runs, all tiny: a first run of it, and
+the same line again when all is done.
 
 usage: study_memory.py PROGRAM [--runs N ...] [--threads N] [--folder FOLDER] [--most BYTES]
 
-Prints for each number the largest memory of the process (peak resident set), wall times, and the size of the
-ledger; at the end what each run beyond the first number adds. With --most the status is 1 where that is more
-memory. The tests ask for 1000 bytes: a finished run is kept as its key, its numbers, its name and its ledger record
-(four hundred bytes), its point and its place in the table (two hundred), and some of these stand twice while
-the table is written; of a run's heights, which would be five thousand bytes here, nothing may stay. Needs Linux and
-its Python alone.
+Prints for each number the largest memory of the process (peak resident set), wall times, and the
+size of the ledger; at the end what each run beyond the first number adds. With --most the status is
+1 where that is more memory. The tests ask for 1000 bytes: a finished run is kept as its key, its
+numbers, its name and its ledger record (four hundred bytes), its point and its place in the table
+(two hundred), and some of these stand twice while the table is written; of a run's heights, which
+would be five thousand bytes here, nothing may stay. Needs Linux and its Python alone.
 
     bench/study_memory.py build/release/ra2d
 """

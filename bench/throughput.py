@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""throughput.py FILE.json [ONE_CORE.json [ALL_CORES.json]] [--picture FILE.svg]: scenes by the thousand, as docs/ has it.
+"""throughput.py FILE.json [ONE_CORE.json [ALL_CORES.json]] [--picture FILE.svg]: scenes by the
+thousand, as docs/ has it.
 
-Of what `bench_throughput --benchmark_out=FILE.json` wrote: on a GPU, and beside it on one core (OMP_NUM_THREADS=1) and on
-all cores of the same machine. Prints, for each number of scenes, seconds simulated in a second, and in brackets how many
-times that is what one core does at its best; then all cores and the shocks. The picture shows the same.
+Of what `bench_throughput --benchmark_out=FILE.json` wrote: on a GPU, and beside it on one core
+(OMP_NUM_THREADS=1) and on all cores of the same machine. Prints, for each number of scenes, seconds
+simulated in a second, and in brackets how many times that is what one core does at its best; then
+all cores and the shocks. The picture shows the same.
 """
 import argparse
 import collections

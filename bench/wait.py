@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a user waits for: wall time of `ra2d run` for one second of both readings of the paper, adaptive to
-a tolerance of 1e-6, and how much of it is the march.
+"""What a user waits for: wall time of `ra2d run` for one second of both readings of the paper,
+adaptive to a tolerance of 1e-6, and how much of it is the march.
 
 usage: wait.py [--runs N] [--folder FOLDER] [--set KEY=VALUE ...] PROGRAM [OTHER_PROGRAM ...]
 
-The programs take turns. Result files go to FOLDER (/dev/shm unless told otherwise: a disk is another
-matter) and are removed. Prints medians in ms: from start to exit; marching; reading the file back, where the
-program says so; the rest; and the processor time of all threads. Standard library only.
+The programs take turns. Result files go to FOLDER (/dev/shm unless told otherwise: a disk is
+another matter) and are removed. Prints medians in ms: from start to exit; marching; reading the
+file back, where the program says so; the rest; and the processor time of all threads. Standard
+library only.
 
     bench/wait.py build/release/ra2d
 """

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# The target `bundle`: one folder, and the same packed, with the program, the tests, the benchmarks, the scenes and the
-# shared libraries that a bare x86-64 Linux lacks. bundle/check.sh runs the tests and the benchmarks there.
+# The target `bundle`: one folder, and the same packed, with the program, the tests, the benchmarks,
+# the scenes and the shared libraries that a bare x86-64 Linux lacks. bundle/check.sh runs the tests
+# and the benchmarks there.
 set(RA2D_BUNDLE ${PROJECT_BINARY_DIR}/bundle CACHE PATH "Folder that the target `bundle` makes; packed beside it as .tar.gz")
 if(RA2D_SANITIZE OR NOT RA2D_TESTS OR NOT RA2D_BENCH)
   return()

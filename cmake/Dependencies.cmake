@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What is installed is taken first; Kokkos alone is built here when it is absent, or when its archive is named.
+# What is installed is taken first; Kokkos alone is built here when it is absent, or when its
+# archive is named.
 set(RA2D_KOKKOS_ARCHIVE "" CACHE FILEPATH
     "A release of Kokkos 5 to build from, instead of one that is installed or fetched")
 if(NOT RA2D_BACKEND MATCHES "^(OpenMP|Serial|CUDA)$")
@@ -32,7 +33,8 @@ if(Kokkos_FOUND)
                         "for many. Leave Kokkos_ROOT out to have one built here")
   endif()
   string(TOUPPER ${RA2D_BACKEND} wanted)
-  # Kokkos runs on the strongest of the backends that it was built for; one of OpenMP serves one thread, too.
+  # Kokkos runs on the strongest of the backends that it was built for; one of OpenMP serves one
+  # thread, too.
   if(NOT wanted IN_LIST Kokkos_DEVICES OR ("CUDA" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "CUDA"))
     message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} was built for ${Kokkos_DEVICES}, which does not fit "
                         "RA2D_BACKEND = ${RA2D_BACKEND}. Name another backend with -DRA2D_BACKEND=..., name another Kokkos "

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Kokkos built as part of the project: from the archive that the user names, or from the first of these releases that
-# can be had, by its hash, from the upstream project or from the Debian mirror that apt is configured with, which
-# carries the same file. Mirrors keep one release at a time. 5.0.2 is the one that is tested here.
+# Kokkos built as part of the project: from the archive that the user names, or from the first of
+# these releases that can be had, by its hash, from the upstream project or from the Debian mirror
+# that apt is configured with, which carries the same file. Mirrors keep one release at a time.
+# 5.0.2 is the one that is tested here.
 include(FetchContent)
 include(KokkosArchive)
 set(releases
@@ -56,7 +57,8 @@ if(RA2D_BACKEND STREQUAL "OpenMP")
   set(Kokkos_ENABLE_OPENMP ON CACHE BOOL "")
 elseif(RA2D_BACKEND STREQUAL "CUDA")
   set(Kokkos_ENABLE_CUDA ON CACHE BOOL "")
-  # Hopper, unless the user names another: -DKokkos_ARCH_AMPERE80=ON. Also when the build folder is used again.
+  # Hopper, unless the user names another: -DKokkos_ARCH_AMPERE80=ON. Also when the build folder is
+  # used again.
   get_cmake_property(named CACHE_VARIABLES)
   list(FILTER named INCLUDE REGEX
        "^Kokkos_ARCH_(MAXWELL|PASCAL|VOLTA|TURING|AMPERE|ADA|HOPPER|BLACKWELL)[0-9]+$")
@@ -94,8 +96,8 @@ message(STATUS "Kokkos: building ${version} (${RA2D_BACKEND})")
 if(RA2D_BACKEND STREQUAL "CUDA")
   FetchContent_MakeAvailable(Kokkos)
 else()
-  # Kokkos installs scripts that drive nvcc, and has no switch for it. Here nobody needs them: they go to a folder of
-  # their own, which the same installation removes again.
+  # Kokkos installs scripts that drive nvcc, and has no switch for it. Here nobody needs them: they
+  # go to a folder of their own, which the same installation removes again.
   set(CMAKE_INSTALL_BINDIR ${CMAKE_INSTALL_LIBDIR}/kokkos-scripts)
   set(CMAKE_UNITY_BUILD ${RA2D_BY_FOLDER})  # its headers take most of the time that its files take to compile
   set(CMAKE_UNITY_BUILD_BATCH_SIZE 10)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Which archive of Kokkos is built from. Only functions: what they try is told to them (cmake/FetchKokkos.cmake).
+# Which archive of Kokkos is built from. Only functions: what they try is told to them
+# (cmake/FetchKokkos.cmake).
 
-# ra2d_check_archive(FILE VERSION LOOK): ends the configuration unless FILE holds a release of Kokkos 5; VERSION gets
-# which. LOOK is a folder to unpack it in, removed again.
+# ra2d_check_archive(FILE VERSION LOOK): ends the configuration unless FILE holds a release of
+# Kokkos 5; VERSION gets which. LOOK is a folder to unpack it in, removed again.
 function(ra2d_check_archive file version look)
   if(NOT EXISTS ${file} OR IS_DIRECTORY ${file})
     message(FATAL_ERROR "RA2D_KOKKOS_ARCHIVE = ${file}: there is no such file. A release of Kokkos 5 as its project "
@@ -38,9 +39,10 @@ function(ra2d_check_archive file version look)
   set(${version} ${found} PARENT_SCOPE)
 endfunction()
 
-# ra2d_first_archive(FILE VERSION HASH TRIED RELEASES r... ADDRESSES a... FOLDER f): the first of the releases that is
-# in the folder, or else that can be fetched into it. A release is `version=SHA-256`, an address has {version} in it.
-# What has another hash is not taken. FILE is empty when there is none; TRIED then says what was tried, a line each.
+# ra2d_first_archive(FILE VERSION HASH TRIED RELEASES r... ADDRESSES a... FOLDER f): the first of
+# the releases that is in the folder, or else that can be fetched into it. A release is
+# `version=SHA-256`, an address has {version} in it. What has another hash is not taken. FILE is
+# empty when there is none; TRIED then says what was tried, a line each.
 function(ra2d_first_archive file version hash tried)
   cmake_parse_arguments(PARSE_ARGV 4 arg "" "FOLDER" "RELEASES;ADDRESSES")
   set(lines)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Empties FOLDER (-DSTEP=clear), or writes FOLDER/about and packs FOLDER into FOLDER.tar.gz. Run with cmake -P.
+# Empties FOLDER (-DSTEP=clear), or writes FOLDER/about and packs FOLDER into FOLDER.tar.gz. Run
+# with cmake -P.
 if(STEP STREQUAL "clear")
   file(GLOB content ${FOLDER}/*)
   if(content AND NOT EXISTS ${FOLDER}/about)

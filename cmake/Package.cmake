@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Install and export: `find_package(ra2d)` gives ra2d::kernels (headers) and ra2d::host (library).
-# The component `runtime` is what users of the program need. A Kokkos that was built here installs itself, and its own
-# package, into the same prefix, outside of it.
+# The component `runtime` is what users of the program need. A Kokkos that was built here installs
+# itself, and its own package, into the same prefix, outside of it.
 include(CMakePackageConfigHelpers)
 include(PortableSettings)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/ra2d)
@@ -17,8 +17,8 @@ endfunction()
 
 install(TARGETS ra2d_base ra2d_kernels ra2d_host EXPORT ra2dTargets ${development})
 install(EXPORT ra2dTargets NAMESPACE ra2d:: DESTINATION ${package_dir} ${development})
-# All headers but the program's own and those that include toml++, HDF5 or Eigen: users of the library need none of
-# these. No other header may include one of them (tests/install looks).
+# All headers but the program's own and those that include toml++, HDF5 or Eigen: users of the
+# library need none of these. No other header may include one of them (tests/install looks).
 set(private_headers "/host/(commands$|base/decompositions[.]|scene_file/toml[.]|model/contact_program[.]|study/clusters[.]|store/(attributes|hdf5|read_back|sealed_hdf5|shock_rows|table|unfinished_file)[.])")
 foreach(part kernels host)
   install(DIRECTORY ${part} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ra2d ${development}
@@ -60,7 +60,8 @@ install(DIRECTORY ${manuals}/ DESTINATION ${CMAKE_INSTALL_DATADIR} ${runtime} PA
 if(RA2D_SANITIZE OR NOT PROJECT_IS_TOP_LEVEL)
   return()
 endif()
-# Packages: NAME.tar.gz, which stands in any folder and brings its shared libraries, and a .deb where dpkg-dev is.
+# Packages: NAME.tar.gz, which stands in any folder and brings its shared libraries, and a .deb
+# where dpkg-dev is.
 if(RA2D_PORTABLE)
   set_target_properties(ra2d PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/ra2d")
 endif()
@@ -130,8 +131,8 @@ if(RA2D_PORTABLE)
   include(CPack)  # which makes the target `package`
   return()
 endif()
-# This build is for this machine's processor: the packages have a build of their own. A package of this build is named
-# "native", for this machine and for tests/package.
+# This build is for this machine's processor: the packages have a build of their own. A package of
+# this build is named "native", for this machine and for tests/package.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/native-package/CPackConfig.cmake)
 set(CPACK_SOURCE_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/native-package/CPackSourceConfig.cmake)
 include(CPack)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# ra2d_write_portable_settings(NAME): writes a file for `cmake -C`, with the compiler and the libraries of this build,
-# for a build of its own with RA2D_PORTABLE=ON. NAME is set to the file. The targets `bundle` and `package` make such
-# builds, as this one is for this machine's processor.
+# ra2d_write_portable_settings(NAME): writes a file for `cmake -C`, with the compiler and the
+# libraries of this build, for a build of its own with RA2D_PORTABLE=ON. NAME is set to the file.
+# The targets `bundle` and `package` make such builds, as this one is for this machine's processor.
 function(ra2d_write_portable_settings name)
   set(settings ${PROJECT_BINARY_DIR}/portable-settings.cmake)
   set(text "set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\n")

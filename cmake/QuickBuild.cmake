@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What makes a build from scratch short.
 
-# Compiles the .cpp files of a folder together, at most so many at once: headers and templates that they share are
-# compiled once. Files that include Eigen, or JSON, are compiled with the others that do: each of these takes seconds.
-# A name in the unnamed namespace of one file then stands for all that are compiled together.
+# Compiles the .cpp files of a folder together, at most so many at once: headers and templates that
+# they share are compiled once. Files that include Eigen, or JSON, are compiled with the others that
+# do: each of these takes seconds. A name in the unnamed namespace of one file then stands for all
+# that are compiled together.
 function(ra2d_compile_by_folder target most)
   if(NOT RA2D_BY_FOLDER)
     return()
@@ -37,16 +38,16 @@ function(ra2d_heavy_library source name)
   set(${name} "${found}" PARENT_SCOPE)
 endfunction()
 
-# Optimises a target with -O1 or -O2, where a release build would take -O3: a third and a tenth less time to compile.
-# Under sanitizers -O1 becomes -O0, which takes two fifths less.
+# Optimises a target with -O1 or -O2, where a release build would take -O3: a third and a tenth less
+# time to compile. Under sanitizers -O1 becomes -O0, which takes two fifths less.
 function(ra2d_optimise target level)
   if(RA2D_SANITIZE AND level STREQUAL "-O1")
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang>:-O0>)
   endif()
   if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
     target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,$<COMPILE_LANG_AND_ID:CXX,GNU,Clang>>:${level}>)
-    # With -O1 alone GCC writes no vzeroupper: libm and libstdc++ are then called with dirty AVX registers, and take
-    # several times as long.
+    # With -O1 alone GCC writes no vzeroupper: libm and libstdc++ are then called with dirty AVX
+    # registers, and take several times as long.
     target_compile_options(${target} PRIVATE
       $<$<AND:$<CONFIG:Release>,$<COMPILE_LANG_AND_ID:CXX,GNU>>:-fexpensive-optimizations>)
   endif()

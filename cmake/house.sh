@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What run.sh, test.sh and .ci/run share. They are bash; this file is sourced by them, with `root` set.
+# What run.sh, test.sh and .ci/run share. They are bash; this file is sourced by them, with `root`
+# set.
 
 say() { echo "ra2d: $*" >&2; }
 fail() { say "$*"; exit 1; }
 
-# need PURPOSE...: installs the packages of cmake/packages.txt that serve one of these and are missing.
+# need PURPOSE...: installs the packages of cmake/packages.txt that serve one of these and are
+# missing.
 need() {
   local purpose package missing=() wanted=()
   while read -r purpose package; do
@@ -39,7 +41,8 @@ need() {
   rm -f "$log"
 }
 
-# without_services AS COMMAND...: runs an installation, as AS, that starts no daemons (tests bring Slurm's packages).
+# without_services AS COMMAND...: runs an installation, as AS, that starts no daemons (tests bring
+# Slurm's packages).
 without_services() (
   as=$1 policy=/usr/sbin/policy-rc.d
   shift
@@ -51,8 +54,8 @@ without_services() (
   "$@"
 )
 
-# quietly NAME COMMAND...: runs it with its output in build/NAME.log, which is shown only when it fails. After
-# a moment it says what it is at and which step it has reached, in a file every 15 s.
+# quietly NAME COMMAND...: runs it with its output in build/NAME.log, which is shown only when it
+# fails. After a moment it says what it is at and which step it has reached, in a file every 15 s.
 quietly() {
   local name=$1 log="$root/build/$1.log" watch status=0 begun=$SECONDS
   shift
@@ -90,8 +93,8 @@ follow() {
   done
 }
 
-# run_tests PRESET [OPTION of ctest]...: all tests of a build, as many at a time as there are processors, and which
-# cases of GoogleTest skipped themselves: ctest says so of whole tests alone.
+# run_tests PRESET [OPTION of ctest]...: all tests of a build, as many at a time as there are
+# processors, and which cases of GoogleTest skipped themselves: ctest says so of whole tests alone.
 run_tests() {
   local log="$root/build/$1/Testing/Temporary/LastTest.log" status=0
   # one more at a time than there are processors: some wait for files and for other processes

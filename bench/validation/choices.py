@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far it holds what a choice does to level and shocks: over the speed, the roughness and the load.
+"""How far it holds what a choice does to level and shocks: over the speed, the roughness and the
+load.
 
-Each choice is set against the scene without it, on the same surfaces. What orders the answers is the share of the time in
-contact. Where the slider flies, a shock is a blow of an asperity. Where contact hardly opens, the shocks that are counted
-are the openings of a contact spring that rings.
+Each choice is set against the scene without it, on the same surfaces. What orders the answers is
+the share of the time in contact. Where the slider flies, a shock is a blow of an asperity. Where
+contact hardly opens, the shocks that are counted are the openings of a contact spring that rings.
 
-Two scenes must have the same shocks: heights and load, both four times as large, make every displacement and force four
-times as large, and no time changes. A power of two rounds nothing.
+Two scenes must have the same shocks: heights and load, both four times as large, make every
+displacement and force four times as large, and no time changes. A power of two rounds nothing.
 """
 import numpy as np
 from scipy import stats
@@ -50,8 +51,8 @@ def runs(case, name, sets, seeds=SEEDS, speeds=SPEEDS, rq=RQ, lasts=lasts):
 
 
 def marched(case, name, sets):
-    """A choice's runs: {(Rq, load): the table over speeds and seeds}. Other loads than the weight of some choices alone, and
-    at the usual Rq; of the scene as it is at all."""
+    """A choice's runs: {(Rq, load): the table over speeds and seeds}. Other loads than the weight
+    of some choices alone, and at the usual Rq; of the scene as it is at all."""
     found = {}
     for load in (WEIGHT, *(LOADS if not sets or name in AT_LOADS else ())):
         rq = RQ if load == WEIGHT or not sets else (USUAL,)

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the cases of the validation chapter share.
 
-A case is a script NAME.py with a function `compare(case)`. It drives the program as a user would, compares, and hands
-what it found to its Case: checks (numbers with a bound), texts for the chapter, tables, a figure.
+A case is a script NAME.py with a function `compare(case)`. It drives the program as a user would,
+compares, and hands what it found to its Case: checks (numbers with a bound), texts for the chapter,
+tables, a figure.
 
     bench/validation/NAME.py PROGRAM [--short] [--peers PROGRAM] [--folder docs/validation]
 
-The whole case writes NAME.json (texts and numbers), NAME.csv and NAME.svg into the folder; page.py makes
-docs/validation.md of them. --short takes a part of the case that a test has time for, and writes nothing. Either ends
-with status 1 when a number leaves its bound.
+The whole case writes NAME.json (texts and numbers), NAME.csv and NAME.svg into the folder; page.py
+makes docs/validation.md of them. --short takes a part of the case that a test has time for, and
+writes nothing. Either ends with status 1 when a number leaves its bound.
 """
 import argparse
 import csv
@@ -82,7 +83,8 @@ class Case:
         return scene
 
     def run(self, scene, *datasets, sets=()):
-        """Runs a scene and returns the datasets asked for, each an array; `sets`: section.key=value."""
+        """Runs a scene and returns the datasets asked for, each an array; `sets`:
+        section.key=value."""
         result = self.scratch / "result.h5"
         self.call(self.program, "run", self.scene_file(scene), "-o", result, "--fresh", "--force", "--quiet",
                   *(word for each in sets for word in ("--set", each)))
@@ -90,8 +92,8 @@ class Case:
             return [file[name][()] for name in datasets]
 
     def check(self, what, value, most, why):
-        """A number and its bound. `why`: where the bound comes from. Of several of one name the nearest to its bound
-        counts, or the first beyond."""
+        """A number and its bound. `why`: where the bound comes from. Of several of one name the
+        nearest to its bound counts, or the first beyond."""
         value, most, previous = float(value), float(most), self.checks.get(what)
         if previous is None or previous[0] <= previous[1] and not value / most <= previous[0] / previous[1]:
             self.checks[what] = (value, most, why)

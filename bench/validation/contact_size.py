@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Vibration over the length of the contact, beside the two regimes of Le Bot and Bou-Chakra (2010) and of Le Bot,
-Bou-Chakra and Michon (2011): energy proportional to the contact's area, or independent of it.
+"""Vibration over the length of the contact, beside the two regimes of Le Bot and Bou-Chakra (2010)
+and of Le Bot, Bou-Chakra and Michon (2011): energy proportional to the contact's area, or
+independent of it.
 
-Their law: a contact of the area S gives the power p S, the plate loses D E of its energy E, the contact c S E. So
-E = p S/(D + c S), and its exponent over S is the plate's share of the loss, D/(D + c S): 1 where the plate's damping
-wins, 0 where the contact's does. The share can be found without the exponent. A tenth of the plate's damping raises the
-energy by R = (D + c S)/(D/10 + c S), so c S/D = (1 - R/10)/(R - 1).
+Their law: a contact of the area S gives the power p S, the plate loses D E of its energy E, the
+contact c S E. So E = p S/(D + c S), and its exponent over S is the plate's share of the loss, D/(D
++ c S): 1 where the plate's damping wins, 0 where the contact's does. The share can be found without
+the exponent. A tenth of the plate's damping raises the energy by R = (D + c S)/(D/10 + c S), so c
+S/D = (1 - R/10)/(R - 1).
 
-The contact of ra2d dissipates nothing under penalty. It takes energy from the plate's modes all the same, to give it to
-other modes of the plate and of the slider.
+The contact of ra2d dissipates nothing under penalty. It takes energy from the plate's modes all the
+same, to give it to other modes of the plate and of the slider.
 """
 import copy
 import tomllib
@@ -52,9 +54,9 @@ def papers(seed, length, damping, slider, law, growing, duration=1.0):
 
 
 def marched(case, scene):
-    """Mean square velocities of the plate, of all modes and above NOISE and CUTS; powers [W]: lost in plate and slider by their
-    modes' velocities, lost in both by the program's record, given by sliding and load, and what of it is then missing:
-    the contact keeps it."""
+    """Mean square velocities of the plate, of all modes and above NOISE and CUTS; powers [W]: lost
+    in plate and slider by their modes' velocities, lost in both by the program's record, given by
+    sliding and load, and what of it is then missing: the contact keeps it."""
     names = ("time", "resonator/frequency", "resonator/velocity", "slider/frequency", "slider/velocity", "level/v_rms", "shocks/start")
     time, of_plate, plate, of_slider, slider, v_rms, starts = case.run(scene, *names)
     with h5py.File(case.scratch / "result.h5") as file:
@@ -108,7 +110,8 @@ def decibels(found, name="noise"):
 
 
 def shares(rise):
-    """The plate's share of the loss, with its usual and with a tenth of its damping, of what the energy rises by [dB]."""
+    """The plate's share of the loss, with its usual and with a tenth of its damping, of what the
+    energy rises by [dB]."""
     ratio = np.clip(10**(rise / 10), 1 + 1e-9, 10)
     contact = (1 - ratio / 10) / (ratio - 1)
     return 1 / (1 + contact), 0.1 / (0.1 + contact)

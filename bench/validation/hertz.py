@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Level and shocks under contact.stiffness = "hertz" over the speed and the roughness.
 
-Set against the scene as it is (1e15 Pa/m) on the same surfaces, as the choices are (choices.py). The number that it takes
-is that of the scene's materials, E* / (sqrt(2) w): 1/E* is the sum of (1 - poisson^2) / young of the bodies, w the slider's width.
+Set against the scene as it is (1e15 Pa/m) on the same surfaces, as the choices are (choices.py).
+The number that it takes is that of the scene's materials, E* / (sqrt(2) w): 1/E* is the sum of (1 -
+poisson^2) / young of the bodies, w the slider's width.
 """
 import h5py
 import numpy as np

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""How long trajectories mean anything: independent integrators on the paper's scenes, and how fast a small difference
-of the initial state grows.
+"""How long trajectories mean anything: independent integrators on the paper's scenes, and how fast
+a small difference of the initial state grows.
 
-The peers are CVODE (Adams and BDF) and Boost.Odeint's dopri5 on equations of their own (bench/peers). States are
-compared in the norm of the energy: d^2 = sum m (dV^2 + omega^2 dU^2)/2 over both bodies' modes, over the same of the
-state. A rigid mode counts by its velocity alone.
+The peers are CVODE (Adams and BDF) and Boost.Odeint's dopri5 on equations of their own
+(bench/peers). States are compared in the norm of the energy: d^2 = sum m (dV^2 + omega^2 dU^2)/2
+over both bodies' modes, over the same of the state. A rigid mode counts by its velocity alone.
 
-The small difference is a blow on the plate: a force that crosses its right half in a tenth of a microsecond and then is
-gone. Its e-folding time is the slope of the difference's logarithm over time, between the start and 1e-4 of the state.
+The small difference is a blow on the plate: a force that crosses its right half in a tenth of a
+microsecond and then is gone. Its e-folding time is the slope of the difference's logarithm over
+time, between the start and 1e-4 of the state.
 """
 import json
 import tomllib

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The paper's Fig. 5 and its equation (14), v_rms ~ Rq^n V^m: the level over five roughnesses and six speeds, and n and
-m as one thing at a time is moved away from the scene.
+"""The paper's Fig. 5 and its equation (14), v_rms ~ Rq^n V^m: the level over five roughnesses and
+six speeds, and n and m as one thing at a time is moved away from the scene.
 
-Exponents are fitted to each seed by itself, and the interval is Student's t over the seeds: runs of one seed share
-their surfaces, so they are not independent of one another, but the seeds are.
+Exponents are fitted to each seed by itself, and the interval is Student's t over the seeds: runs of
+one seed share their surfaces, so they are not independent of one another, but the seeds are.
 """
 import itertools
 import json
@@ -95,15 +95,16 @@ def study(case, name, seeds, folder=None, **other):
 
 
 def terms(table, curved=False):
-    """Logarithms of roughness and speed at each point, about their means: (point, term), after a constant."""
+    """Logarithms of roughness and speed at each point, about their means: (point, term), after a
+    constant."""
     x, y = (grid.ravel() for grid in np.meshgrid(np.log10(table.rq), np.log10(table.speed), indexing="ij"))
     x, y = x - x.mean(), y - y.mean()
     return np.stack([np.ones_like(x), x, y, *([x * x, y * y, x * y] if curved else [])], axis=1)
 
 
 def fits(table, curved=False):
-    """Coefficients of log10 v_rms for each seed, (seed, term), and the deviations of all runs in dB. Runs in which
-    nothing touches have no level."""
+    """Coefficients of log10 v_rms for each seed, (seed, term), and the deviations of all runs in
+    dB. Runs in which nothing touches have no level."""
     matrix, found, deviations = terms(table, curved), [], []
     for seed in table.seed:
         v = table.v_rms.sel(seed=seed).values.ravel()
@@ -147,15 +148,16 @@ def check_analyze(case, folder, table):
 
 
 def check_pinned(case, table):
-    """A pinned slider whose gap goes with the roughness: n = 1, and a power of two rounds nothing."""
+    """A pinned slider whose gap goes with the roughness: n = 1, and a power of two rounds
+    nothing."""
     v = table.v_rms.sel(rq=list(RQ[:3])).values
     case.check("n of the pinned slider from 1, over 2, 4 and 8 um",
                np.abs(np.log2(v[1:] / v[:-1]) - 1).max(), 1e-14, "a power of two rounds nothing; a logarithm does")
 
 
 def passage(load, speed):
-    """Level of the plate that bends under a force that passes: no roughness, no mass of the slider. At first it is at
-    rest, bent by the force, so it rings a little."""
+    """Level of the plate that bends under a force that passes: no roughness, no mass of the slider.
+    At first it is at rest, bent by the force, so it rings a little."""
     omega, drive = omegas(19), waves(19) * speed
     pole = omega * (1j * np.sqrt(1 - DAMPING**2) - DAMPING)
     t = np.linspace(0, min(1.0, DISTANCE / speed), 10001)[:, None]
@@ -206,7 +208,8 @@ def compare(case):
 
 
 def of_the_modes(case):
-    """n and m of the slow modes and of the fast ones, and the part that the slow ones have of v_rms^2 at each point."""
+    """n and m of the slow modes and of the fast ones, and the part that the slow ones have of
+    v_rms^2 at each point."""
     folder, table = study(case, "base", FEW, "modes", sets={"output.rate": 2e3}, keep=("level", "files"))
     parts = {name: table.copy(deep=True) for name in ("low", "high")}
     for at in itertools.product(*(range(size) for size in table.v_rms.shape)):
@@ -346,7 +349,8 @@ def the_start(case, tables, ring, later):
 
 
 def the_distance(case, tables):
-    """What a short way does: levels of the same seeds over a second and over the whole way, and how seeds spread."""
+    """What a short way does: levels of the same seeds over a second and over the whole way, and how
+    seeds spread."""
     base, longer = tables["base"].sel(seed=tables["way"].seed), tables["way"]
     rows = []
     for v in SPEEDS:

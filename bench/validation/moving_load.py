@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A constant force crosses a pinned beam, against the closed form (Fryba, Vibration of Solids and Structures under
-Moving Loads, chapter 1; Olsson, J. Sound Vib. 145, 1991).
+"""A constant force crosses a pinned beam, against the closed form (Fryba, Vibration of Solids and
+Structures under Moving Loads, chapter 1; Olsson, J. Sound Vib. 145, 1991).
 
-Mode k feels P psi_k(V t) while the force is on the beam, for one crossing L/V, and then vibrates freely:
+Mode k feels P psi_k(V t) while the force is on the beam, for one crossing L/V, and then vibrates
+freely:
 
     U'' + omega^2 U = p sin(Omega t),   p = P sqrt(2/L)/m,   Omega = k pi V/L.
 
@@ -52,9 +53,10 @@ def scene(speed, scheme, setting):
 
 
 def bound(speed, scheme, setting, time):
-    """What the scheme can be off by [m]. The free and the forced vibration of a mode are each at most twice its largest
-    amplitude. Backward Euler damps by (omega tau)^2/2 in a step and delays by less than a step; RK4 is off by
-    (omega tau)^5/120 in a step, and puts the end of the force off by a step."""
+    """What the scheme can be off by [m]. The free and the forced vibration of a mode are each at
+    most twice its largest amplitude. Backward Euler damps by (omega tau)^2/2 in a step and delays
+    by less than a step; RK4 is off by (omega tau)^5/120 in a step, and puts the end of the force
+    off by a step."""
     omega = omegas(MODES)
     largest = np.abs(amplitudes(MODES, speed, time)).max(axis=1)
     steps, turn = time[-1] / setting, omega * setting

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A mass slides over a pinned beam, against the constrained equations of motion.
 
-The program: a free slider of two spacings' length that touches with its middle node alone, on a penalty spring.
-The peer: the mass stays on the beam, z(t) = w(X(t), t) with X = x0 + V t, and so feels the convective terms of
+The program: a free slider of two spacings' length that touches with its middle node alone, on a
+penalty spring. The peer: the mass stays on the beam, z(t) = w(X(t), t) with X = x0 + V t, and so
+feels the convective terms of
 
     z'' = w_tt + 2 V w_xt + V^2 w_xx.
 
@@ -11,8 +12,9 @@ With w = sum q_k psi_k (upwards) and f = W + m z'' the force between the two, th
 
     (1 + (m/mu) psi psi^T) q'' = -omega^2 q - (psi/mu) (W + m (2 V psi'.q' + V^2 psi''.q)),
 
-mu the beam's mass per length. Integrated by DOP853 of scipy until f = 0: there the mass lifts off, since the contact
-cannot pull. From there it flies, z'' = -W/m, over free modes, until it meets the beam again.
+mu the beam's mass per length. Integrated by DOP853 of scipy until f = 0: there the mass lifts off,
+since the contact cannot pull. From there it flies, z'' = -W/m, over free modes, until it meets the
+beam again.
 """
 import dataclasses
 
@@ -104,7 +106,8 @@ class Crossing:
         return solution.t_events[0][0] if len(solution.t_events[0]) else None
 
     def landing(self, solution):
-        """When the mass that has lifted off meets the beam again [s]; None where the beam ends before."""
+        """When the mass that has lifted off meets the beam again [s]; None where the beam ends
+        before."""
         n, omega, off = self.modes, omegas(self.modes), self.lift_off(solution)
         q, v = solution.y[:n, -1], solution.y[n:, -1]
         psi, slope = shapes(n, self.where(off)), shapes(n, self.where(off), 1)
@@ -120,14 +123,16 @@ class Crossing:
         return brentq(gap, times[shut[0]], times[shut[0] + 1], xtol=1e-15) if len(shut) else None
 
     def deflection(self, solution, times):
-        """Of the beam's middle [m]: while the mass is on the beam, and of the free beam after it."""
+        """Of the beam's middle [m]: while the mass is on the beam, and of the free beam after
+        it."""
         n, omega = self.modes, omegas(self.modes)[:, None]
         q = solution.sol(np.minimum(times, solution.t[-1]))[:n]
         last, rate, t = solution.y[:n, -1:], solution.y[n:, -1:], times - solution.t[-1]
         free = last * np.cos(omega * t) + rate / omega * np.sin(omega * t)
         return self.middle @ np.where(t > 0, free, q)
 
-    # ---- the same with the spring, while it is pressed --------------------------------------------
+    # ---- the same with the spring, while it is pressed
+    # --------------------------------------------
 
     def sprung(self, stiffness, times, tolerance=1e-12):
         """The middle's deflection at times, of the program's own model by the peer's integrator."""
@@ -144,7 +149,8 @@ class Crossing:
         solution = solve_ivp(rate, (0, times[-1]), start, method="DOP853", rtol=tolerance, atol=tolerance * size, t_eval=times)
         return self.middle @ solution.y[:n]
 
-    # ---- side by side ------------------------------------------------------------------------------
+    # ---- side by side
+    # ------------------------------------------------------------------------------
 
     @staticmethod
     def run(case, scene):
@@ -154,8 +160,8 @@ class Crossing:
         return self.run(case, self.scene(kappa, **settings))
 
     def differences(self, marched, solution):
-        """The largest difference of the middle's deflection, over the largest deflection: until the mass has lifted off
-        in one of the two, and after that."""
+        """The largest difference of the middle's deflection, over the largest deflection: until the
+        mass has lifted off in one of the two, and after that."""
         time, probe = marched[0], marched[1][:, 0]
         exact = self.deflection(solution, time)
         off = self.lift_off(solution)
@@ -164,15 +170,17 @@ class Crossing:
         return difference[in_contact].max(), difference[~in_contact].max(initial=0)
 
     def blow_of_lift_off(self, off, solution, kappa):
-        """What the middle's deflection may differ by after lift-off, over the largest: the weight for a period of the
-        contact more or less is a blow, after which mode k swings by blow psi_k/(mu omega_k)."""
+        """What the middle's deflection may differ by after lift-off, over the largest: the weight
+        for a period of the contact more or less is a blow, after which mode k swings by blow
+        psi_k/(mu omega_k)."""
         blow = self.weight * self.period(kappa)
         amplitude = np.abs(self.middle * shapes(self.modes, self.where(off))) / (MASS_PER_LENGTH * omegas(self.modes))
         return blow * amplitude.sum() / np.abs(self.deflection(solution, np.linspace(0, self.duration, 401))).max()
 
     def last_touch(self, marched, off):
-        """When the marched mass lifts off for good [s]: the end of the last contact before it flies for longer than half
-        of what is left after the peer has lifted off. Before that a stiff contact may open for a part of its period."""
+        """When the marched mass lifts off for good [s]: the end of the last contact before it flies
+        for longer than half of what is left after the peer has lifted off. Before that a stiff
+        contact may open for a part of its period."""
         end = marched[2] + marched[3]
         flights = np.append(marched[2][1:], self.duration) - end
         long = np.flatnonzero(flights > 0.5 * (self.duration - off))
@@ -222,7 +230,8 @@ def compare_crossing(case, crossing, solution, kappas):
 
 
 def against_spring(case, crossing, kappa):
-    """The program's own model, spring and all, by the peer's integrator; so soft a spring that the contact stays shut."""
+    """The program's own model, spring and all, by the peer's integrator; so soft a spring that the
+    contact stays shut."""
     tolerance = 1e-11
     time, probe = crossing.marched(case, kappa, tolerance=tolerance)[:2]
     exact = crossing.sprung(spring(kappa, crossing.spacing), time)
@@ -232,8 +241,8 @@ def against_spring(case, crossing, kappa):
 
 
 def against_steps(case, crossing, solution, schemes, steps):
-    """Multipliers instead of the spring: the contact is as rigid as the peer's, at the end of every step. Rows of what
-    each scheme makes of each step."""
+    """Multipliers instead of the spring: the contact is as rigid as the peer's, at the end of every
+    step. Rows of what each scheme makes of each step."""
     off, rows = crossing.lift_off(solution), []
     for scheme in schemes:
         found = []
@@ -313,7 +322,8 @@ def tell_peer(case, crossing, solution):
 
 
 def tell_spring(case, crossing, solution):
-    """What is left: the spring. Returns (kappa, difference, lateness of lift-off, period of the contact, contacts)."""
+    """What is left: the spring. Returns (kappa, difference, lateness of lift-off, period of the
+    contact, contacts)."""
     fall = []
     for kappa in (1e14, 1e15, 1e16, 1e17, 1e18, 1e19):
         marched, off = crossing.marched(case, kappa), crossing.lift_off(solution)

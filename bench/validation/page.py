@@ -1,20 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""page.py [--check]: makes the PAGES in docs, and the tables beside them, of what the cases have left in docs/validation.
+"""page.py [--check]: makes the PAGES in docs, and the tables beside them, of what the cases have
+left in docs/validation.
 
 In a page's text ({{...}} is replaced, all numbers come from docs/validation/CASE.json):
 
     {{case.name}}                      the text `name` of a case
-    {{case.name[row][column]}}         one cell of a table: the row with a cell `row`, the column with that head.
-                                       [a & b][column]: the row with both cells; [row][head #2]: the second such head
+    {{case.name[row][column]}}         one cell of a table: the row with a cell `row`, the column
+    with that head.
+                                       [a & b][column]: the row with both cells; [row][head #2]: the
+                                       second such head
     {{case.name[][a; b]}}              the table with the columns a and b alone, in this order
     {{case.name[x; y][]}}              the table with the rows x and y alone
-    {{case.tables}}                    links to the case's tables, but that of its checks; {{all.minutes}}: what all cases take
+    {{case.tables}}                    links to the case's tables, but that of its checks;
+    {{all.minutes}}: what all cases take
 
 Each table of a case is also written whole as docs/validation/tables/CASE-NAME.csv.
 
---check writes nothing: it ends with status 1 when a page or a table is not what the texts and the stored numbers give,
-when the folder of tables holds a file that no case has made, or when a page shows a file that is missing.
+--check writes nothing: it ends with status 1 when a page or a table is not what the texts and the
+stored numbers give, when the folder of tables holds a file that no case has made, or when a page
+shows a file that is missing.
 """
 import csv
 import io
@@ -40,7 +45,8 @@ class Table:
         self.head, self.rows = head, rows
 
     def picked(self, rows, columns):
-        """The named rows and columns; no names: all of them. Raises KeyError with a name that is missing or ambiguous."""
+        """The named rows and columns; no names: all of them. Raises KeyError with a name that is
+        missing or ambiguous."""
         at = [column_of(self.head, name) for name in names_of(columns)] or range(len(self.head))
         chosen = [row_of(self.rows, name) for name in names_of(rows)] or self.rows
         return Table.of([self.head[i] for i in at], [[row[i] for i in at] for row in chosen])

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The paper's plate, without damping, and its modes by the textbook: pinned, by Euler and Bernoulli."""
+"""The paper's plate, without damping, and its modes by the textbook: pinned, by Euler and
+Bernoulli."""
 import numpy as np
 
 LENGTH, THICKNESS, WIDTH, YOUNG, DENSITY = 0.3, 0.002, 0.2, 210e9, 7800.0  # m, m, m, Pa, kg/m^3

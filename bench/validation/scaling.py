@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The similarity groups of the equations: scenes that must map onto one another, and whether their results do.
+"""The similarity groups of the equations: scenes that must map onto one another, and whether their
+results do.
 
-The equations are linear in everything vertical but for max(0, -g), which knows no scale either. So heights and places
-along the beam have units of their own, and six changes of a scene leave the motion similar (GROUPS below). A factor of
-two rounds nothing: the results must then agree to the last bit. A factor of three rounds: they agree to what the
-motion makes of roundings.
+The equations are linear in everything vertical but for max(0, -g), which knows no scale either. So
+heights and places along the beam have units of their own, and six changes of a scene leave the
+motion similar (GROUPS below). A factor of two rounds nothing: the results must then agree to the
+last bit. A factor of three rounds: they agree to what the motion makes of roundings.
 """
 import copy
 import tomllib
@@ -26,8 +27,8 @@ def surfaces(**powers):
     return {(body, "surface", key): power for body in ("resonator", "slider") for key, power in powers.items()}
 
 
-# what is multiplied by which power of the factor, and by which power then time, displacement, velocity, force and
-# energy are multiplied
+# what is multiplied by which power of the factor, and by which power then time, displacement,
+# velocity, force and energy are multiplied
 LOAD = ("slider", "load")
 GROUPS = {
     "heights": ({**surfaces(rq=1), ("scene", "gap"): 1, LOAD: 1}, (0, 1, 1, 1, 2)),
@@ -95,8 +96,8 @@ def results(case, scene):
 
 
 def apart(first, second, powers, factor):
-    """(largest difference of any of the sampled, of any of the shocks), each over its largest value; and whether all bits
-    are the same. inf where one has other shocks than the other."""
+    """(largest difference of any of the sampled, of any of the shocks), each over its largest
+    value; and whether all bits are the same. inf where one has other shocks than the other."""
     time, displacement, velocity, force, energy = (float(factor)**power for power in powers)
     worst, bits = [0.0, 0.0], True
     for i, (a, b, scale) in enumerate(zip(first, second, (time, displacement, velocity, force, energy, time, time, force))):
@@ -121,7 +122,8 @@ def twice_of(group):
 
 
 def rounds(scheme, group):
-    """Whether a power of two rounds all the same: the clock of adaptive counts in units of less than 2^-60 s."""
+    """Whether a power of two rounds all the same: the clock of adaptive counts in units of less
+    than 2^-60 s."""
     return scheme == "adaptive" and group == "rates"
 
 

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Shocks of the paper's scene: how many, how long, how hard; over load, speed and roughness, and towards rigid contact;
-over the spacing of two springs; beside what the paper's authors published later, and beside three things that must hold.
+"""Shocks of the paper's scene: how many, how long, how hard; over load, speed and roughness, and
+towards rigid contact; over the spacing of two springs; beside what the paper's authors published
+later, and beside three things that must hold.
 
-Momentum: the slider is carried by shocks alone, so their impulses add up to load times time, less what the slider's
-mean velocity has gained. Duration: a node that meets a stiff spring leaves it after half a period of that spring on the
-masses of all modes, pi sqrt(m/(kappa chi w)), 1/m the sum of psi^2/mu over both bodies' modes at the place. Unbroken
-contact: where the slider's support goes from one asperity to another, its velocity jumps by the speed times the
-difference of the slopes. The contact spring holds a jump of up to g/omega. Jumps add up while it rings, so contact is
+Momentum: the slider is carried by shocks alone, so their impulses add up to load times time, less
+what the slider's mean velocity has gained. Duration: a node that meets a stiff spring leaves it
+after half a period of that spring on the masses of all modes, pi sqrt(m/(kappa chi w)), 1/m the sum
+of psi^2/mu over both bodies' modes at the place. Unbroken contact: where the slider's support goes
+from one asperity to another, its velocity jumps by the speed times the difference of the slopes.
+The contact spring holds a jump of up to g/omega. Jumps add up while it rings, so contact is
 unbroken for certain only far below.
 """
 import copy
@@ -39,7 +41,8 @@ WEIGHT = MASS * GRAVITY
 
 
 def papers(seed=0, duration=1.0, speed=0.1, load=1.0, rq=8e-6, stiffness=1e15, spacing=8e-6, multipliers=None):
-    """The paper's scene, with what is varied; `load` in weights, `multipliers`: scheme and step [s]."""
+    """The paper's scene, with what is varied; `load` in weights, `multipliers`: scheme and step
+    [s]."""
     scene = copy.deepcopy(PAPER)
     scene["scene"].update(speed=speed, duration=min(duration, 0.17 / speed), spacing=spacing)  # the plate ends
     for body in ("resonator", "slider"):
@@ -63,8 +66,9 @@ def inverse_mass(place, along):
 
 
 def unbroken_below(stiffness):
-    """Speed [m/s] at which the contact spring just holds what a usual change of the slope throws up. The slope is the
-    root mean square of a face, 2 pi Rq/RSm; the two slopes of a contact are equal and opposite."""
+    """Speed [m/s] at which the contact spring just holds what a usual change of the slope throws
+    up. The slope is the root mean square of a face, 2 pi Rq/RSm; the two slopes of a contact are
+    equal and opposite."""
     surface = PAPER["resonator"]["surface"]
     spring = stiffness * PAPER["scene"]["spacing"] * SLIDER["width"]
     omega = np.sqrt(spring * inverse_mass(plate.LENGTH / 2 + np.zeros(1), SLIDER["length"] / 2)[0])
@@ -132,7 +136,8 @@ PARTS = (1, 4, 10)  # of the speed that the spring holds
 
 
 def unbroken(case, stiffness, seeds, parts=PARTS):
-    """Share of the time without contact at parts of the speed that the spring holds, of each run."""
+    """Share of the time without contact at parts of the speed that the spring holds, of each
+    run."""
     apart = []
     for part in parts:
         found = runs(case, seeds, speed=unbroken_below(stiffness) / part, stiffness=stiffness, duration=0.1 if case.short else 1.0)
@@ -169,7 +174,8 @@ def share(value):
 
 
 def quantiles(found, name, unit=1.0):
-    """TENTHS of all shocks of several runs: each with the ends of its 95 % interval, by a bootstrap over the runs."""
+    """TENTHS of all shocks of several runs: each with the ends of its 95 % interval, by a bootstrap
+    over the runs."""
     run = np.repeat(np.arange(len(found)), [len(each[name]) for each in found])
     values = over(found, name) / unit
     order = np.argsort(values)

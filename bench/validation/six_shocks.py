@@ -2,15 +2,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The paper's first test (its Fig. 2, 3): one peak passes six, beside plane-strain finite elements.
 
-six_shocks_calculix.py has the numbers of the scene and what CalculiX makes of it. That takes minutes, so its results are
-kept in docs/validation/six-shocks-*.csv, and the short form compares with these.
+six_shocks_calculix.py has the numbers of the scene and what CalculiX makes of it. That takes
+minutes, so its results are kept in docs/validation/six-shocks-*.csv, and the short form compares
+with these.
 
-Two things part the two by theory. A beam of Euler and Bernoulli has neither shear nor rotary inertia, and finite elements
-have both. And the implicit steps of CalculiX (Hilber, Hughes and Taylor) lower the frequencies of the higher modes and
-damp them. How far each moves the shocks, a few lines here say: the same modes and contact, marched on their own, with the
-frequencies of either theory (Timoshenko's for pinned ends, in closed form), exactly or in those steps. These are
-differences observed in this scene, no bounds. What is checked of the explanation is its direction: beams with shear must
-come nearer to the finite elements than ra2d's.
+Two things part the two by theory. A beam of Euler and Bernoulli has neither shear nor rotary
+inertia, and finite elements have both. And the implicit steps of CalculiX (Hilber, Hughes and
+Taylor) lower the frequencies of the higher modes and damp them. How far each moves the shocks, a
+few lines here say: the same modes and contact, marched on their own, with the frequencies of either
+theory (Timoshenko's for pinned ends, in closed form), exactly or in those steps. These are
+differences observed in this scene, no bounds. What is checked of the explanation is its direction:
+beams with shear must come nearer to the finite elements than ra2d's.
 """
 import csv
 import resource
@@ -54,8 +56,8 @@ def scene(case, modes, young, stiffness, scheme, setting):
 
 
 def marched(case, modes=TEN, young=PLANE_STRAIN, stiffness=STIFFNESS, scheme="adaptive", setting=1e-9):
-    """Time, displacement of the summit, contact force, largest pressure, as the columns of six-shocks-*.csv, and the pressure
-    at the summit."""
+    """Time, displacement of the summit, contact force, largest pressure, as the columns of
+    six-shocks-*.csv, and the pressure at the summit."""
     time, probe, force, lower, upper = case.run(scene(case, modes, young, stiffness, scheme, setting), "time",
                                                 "slider_probes/displacement", "contact/force",
                                                 "resonator/displacement", "slider/displacement")
@@ -78,8 +80,9 @@ def shapes(length, count, x):
 
 
 def theory(length, count, shear):
-    """Natural frequencies [1/s] and masses [kg/m^2] of a pinned strip's modes, with shear and rotary inertia or without.
-    Shear coefficient: Cowper's for a rectangle of that Poisson's ratio under plane strain, 5/(6 - nu)."""
+    """Natural frequencies [1/s] and masses [kg/m^2] of a pinned strip's modes, with shear and
+    rotary inertia or without. Shear coefficient: Cowper's for a rectangle of that Poisson's ratio
+    under plane strain, 5/(6 - nu)."""
     k, r2 = waves(length, count), THICKNESS**2 / 12
     if not shear:
         return np.sqrt(PLANE_STRAIN * r2 / DENSITY) * k**2, np.full(count, DENSITY * THICKNESS)
@@ -91,8 +94,8 @@ def theory(length, count, shear):
 
 
 def meeting(shear, modes, spacing, speed=SPEED, overlap=OVERLAP):
-    """Natural frequencies and masses of both beams' modes, what they make at the upper summit, and a function of time: what
-    they make near it, and the gap of beams at rest there."""
+    """Natural frequencies and masses of both beams' modes, what they make at the upper summit, and
+    a function of time: what they make near it, and the gap of beams at rest there."""
     omega, mass = map(np.concatenate, zip(*(theory(length, count, shear) for length, count in zip((RESONATOR, SLIDER), modes))))
     near = np.arange(-1.2e-3, 1.2e-3, spacing)
     face, upper = peak(near), shapes(SLIDER, modes[1], SLIDER / 2 + near)
@@ -147,8 +150,8 @@ def in_steps(step, modes=TEN, spacing=2e-5, alpha=-0.05):
 
 
 def shocks(found, speed=SPEED):
-    """Of each peak: time of the impulse's centre [s], impulse [N s], largest force [N], largest pressure [Pa]; NaN where
-    nothing touches."""
+    """Of each peak: time of the impulse's centre [s], impulse [N s], largest force [N], largest
+    pressure [Pa]; NaN where nothing touches."""
     rows = []
     for at in PEAKS:
         part = found[np.abs(SLIDER / 2 + speed * found[:, 0] - at) <= PITCH / 2]
@@ -169,8 +172,8 @@ MEASURES = ("times, s", "impulses, over the largest", "pressures, over their own
 
 
 def apart(first, second, many=len(PEAKS)):
-    """Largest differences of so many shocks: of times [s], impulses over the second's largest, pressures over the second's
-    own; inf where a shock is missing."""
+    """Largest differences of so many shocks: of times [s], impulses over the second's largest,
+    pressures over the second's own; inf where a shock is missing."""
     first, second = first[:many], second[:many]
     off = np.abs(first - second)
     found = off[:, 0].max(), off[:, 1].max() / second[:, 1].max(), (off[:, 3] / second[:, 3]).max()
@@ -178,7 +181,8 @@ def apart(first, second, many=len(PEAKS)):
 
 
 def displaced(first, second, many=len(PEAKS)):
-    """Largest difference of the summit's displacement over the second's largest, until the shock after so many."""
+    """Largest difference of the summit's displacement over the second's largest, until the shock
+    after so many."""
     until = (PEAKS[0] + many * PITCH - HALF_WIDTH / 2 - SLIDER / 2) / SPEED
     second = second[second[:, 0] < until]
     return np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1]) - second[:, 1]).max() / np.abs(second[:, 1]).max()
@@ -211,8 +215,8 @@ def row(found, peer, many=len(PEAKS)):
 
 
 def of_answers(case, what, setting, best, many):
-    """A row of a table: how far ra2d's answer is from CalculiX's, and from its own with many modes; the processor time of a
-    run, the median of five."""
+    """A row of a table: how far ra2d's answer is from CalculiX's, and from its own with many modes;
+    the processor time of a run, the median of five."""
     took = []
     for _ in range(5):
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
@@ -309,10 +313,11 @@ def report(case, found, best, plain, shear):
 
 
 def local_compliance(force, stiffness):
-    """By how much the faces yield about the contact under a force [N], over what its own spring yields; its width [m].
-    A strip of half-width a under a line load f yields by f/(pi E') (2 ln(2 d/a) - nu/(1 - nu)) as seen from a depth d
-    (Johnson, Contact Mechanics, section 5.6); d is half the thickness, and there are two faces. Two parabolas that overlap
-    by o touch over a = sqrt(o) half_width/sqrt(4 height), with the force kappa 4/3 o a."""
+    """By how much the faces yield about the contact under a force [N], over what its own spring
+    yields; its width [m]. A strip of half-width a under a line load f yields by f/(pi E') (2 ln(2
+    d/a) - nu/(1 - nu)) as seen from a depth d (Johnson, Contact Mechanics, section 5.6); d is half
+    the thickness, and there are two faces. Two parabolas that overlap by o touch over a = sqrt(o)
+    half_width/sqrt(4 height), with the force kappa 4/3 o a."""
     load, width = force / WIDTH, HALF_WIDTH / np.sqrt(4 * HEIGHT)
     overlap = (0.75 * load / (stiffness * width))**(2 / 3)
     a = width * np.sqrt(overlap)

@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The six shocks by plane-strain finite elements: writes the input for CalculiX, runs it, keeps what the case
-six-shocks compares with.
+"""The six shocks by plane-strain finite elements: writes the input for CalculiX, runs it, keeps
+what the case six-shocks compares with.
 
     six_shocks_calculix.py --input MESH FILE.inp     writes the input of one of the meshes
-    six_shocks_calculix.py --run CCX FOLDER [MESH]   runs CalculiX on all meshes or one; FOLDER/six-shocks-MESH.csv, .inp
+    six_shocks_calculix.py --run CCX FOLDER [MESH]   runs CalculiX on all meshes or one;
+    FOLDER/six-shocks-MESH.csv, .inp
 
-Triangles with six nodes (CPE6), as in the paper; geometrically nonlinear; surface-to-surface contact, its pressure linear
-in the overclosure with the stiffness kappa of ra2d's penalty contact; implicit steps of one length. What CalculiX asks for:
+Triangles with six nodes (CPE6), as in the paper; geometrically nonlinear; surface-to-surface
+contact, its pressure linear in the overclosure with the stiffness kappa of ra2d's penalty contact;
+implicit steps of one length. What CalculiX asks for:
 
-- Initial velocities do not reach plane elements, which it expands into solid ones. So the sliding begins smoothly, before
-  the time that counts.
-- It shortens its steps where energy appears from nowhere, and it leaves out the work of imposed displacements. A block
-  that flies freely, far away and fast, makes the energy so large that nothing is noticed.
+- Initial velocities do not reach plane elements, which it expands into solid ones. So the sliding
+  begins smoothly, before the time that counts.
+- It shortens its steps where energy appears from nowhere, and it leaves out the work of imposed
+  displacements. A block that flies freely, far away and fast, makes the energy so large that
+  nothing is noticed.
 - It reads 20 characters of a number.
 
 Its units here are mm, N, s, MPa and tonnes.
@@ -50,8 +53,8 @@ COLUMNS = ("time, s", "displacement of the summit, m", "contact force, N", "larg
 
 
 def peak(x):
-    """Height of a peak at a distance x [m] from its summit: four pieces of parabolas, which elements with six nodes have
-    exactly."""
+    """Height of a peak at a distance x [m] from its summit: four pieces of parabolas, which
+    elements with six nodes have exactly."""
     r = np.abs(x) / HALF_WIDTH
     return HEIGHT * np.where(r < 0.5, 1 - 2 * r**2, np.where(r < 1, 2 * (1 - r)**2, 0))
 
@@ -61,8 +64,9 @@ class Mesh:
         self.nodes, self.elements = [], []
 
     def beam(self, left, length, bottom, lower, upper, along, through):
-        """A beam [m] of along x through squares, each of two triangles; its lower and upper heights are functions of x.
-        Nodes as (column, row) and triangles as (square, layer, 0 below or 1 above), by their numbers."""
+        """A beam [m] of along x through squares, each of two triangles; its lower and upper heights
+        are functions of x. Nodes as (column, row) and triangles as (square, layer, 0 below or 1
+        above), by their numbers."""
         columns, rows = 2 * along + 1, 2 * through + 1
         numbers = len(self.nodes) + 1 + np.arange(columns * rows).reshape(columns, rows)
         for x in left + length * np.arange(columns) / (2 * along):

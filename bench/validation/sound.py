@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sound of the paper's scene: its exponents over roughness and speed beside those of the vibration, and both by
-third octave.
+"""The sound of the paper's scene: its exponents over roughness and speed beside those of the
+vibration, and both by third octave.
 
-The pressure of one run is compared with Rayleigh's integral by another way: numpy, in the frequency domain, by the
-midpoint rule over a grid of the plate, from the modal velocities in the file and the shapes in closed form.
+The pressure of one run is compared with Rayleigh's integral by another way: numpy, in the frequency
+domain, by the midpoint rule over a grid of the plate, from the modal velocities in the file and the
+shapes in closed form.
 """
 import json
 
@@ -31,7 +32,8 @@ def run(case, name, **sets):
 
 
 def by_numpy(file, to, cells=(300, 150)):
-    """Mean squared pressure at AT until `to`: lines of the whole record, each with its own sum over the plate."""
+    """Mean squared pressure at AT until `to`: lines of the whole record, each with its own sum over
+    the plate."""
     with h5py.File(file) as content:
         velocity, time = content["resonator/velocity"][()], content["time"][()]
     count, rate = len(time), (len(time) - 1) / time[-1]

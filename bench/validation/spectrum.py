@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Peaks of the spectrum beside natural frequencies, over the load; and the mesh's tone over the spacing.
+"""Peaks of the spectrum beside natural frequencies, over the load; and the mesh's tone over the
+spacing.
 
-Two closed forms hold the peaks. Without load the slider hardly touches: the plate's own modes, their damping ratio that
-of the scene. Under load the slider rides along: its mass and its inertia against tilting join the modes,
+Two closed forms hold the peaks. Without load the slider hardly touches: the plate's own modes,
+their damping ratio that of the scene. Under load the slider rides along: its mass and its inertia
+against tilting join the modes,
 
-    (mu delta_kl + M psi_k psi_l + J psi_k' psi_l') q'' + mu omega_k^2 q = 0   at the place of the slider.
+    (mu delta_kl + M psi_k psi_l + J psi_k' psi_l') q'' + mu omega_k^2 q = 0   at the place of the
+    slider.
 
-Where it touches in one point off its middle, it also tilts away, and less of its mass joins: a quarter at its end. A
-mode is heard most where it is driven most: the frequencies along the slider's way are weighted with psi_k^2.
+Where it touches in one point off its middle, it also tilts away, and less of its mass joins: a
+quarter at its end. A mode is heard most where it is driven most: the frequencies along the slider's
+way are weighted with psi_k^2.
 """
 import json
 import tomllib
@@ -64,7 +68,8 @@ def attached(place, mass=MASS, tilting=TILTING):
 
 
 def carried(mass, tilting):
-    """How far each mode is moved by a body that rides along, of its frequency; over the slider's way."""
+    """How far each mode is moved by a body that rides along, of its frequency; over the slider's
+    way."""
     path = START + SLIDER["length"] / 2 + np.linspace(0, DURATION * PAPER["scene"]["speed"], 201)
     weights = np.array([plate.shapes(MODES, place)**2 for place in path])
     moved = np.array([attached(place, mass, tilting) for place in path]) / NATURAL - 1
@@ -92,7 +97,8 @@ def undisturbed(case, found):
 
 
 def riding(case, found):
-    """Under a heavy slider a peak lies where a part of its mass, from a quarter to all, joins the mode."""
+    """Under a heavy slider a peak lies where a part of its mass, from a quarter to all, joins the
+    mode."""
     least, most = carried(MASS / 4, 0), carried(MASS, TILTING)
     shift, half = mean(peaks(found)[0], 1 - 1e-3 / MODES)
     for mode in np.flatnonzero(np.isfinite(shift)):
@@ -107,19 +113,22 @@ def passing(spacing):
 
 
 def tone_over_surroundings(analysis, frequency, most):
-    """Mean square velocity [(m/s)^2] of the lines that lie no further than `most` [Hz] from a frequency."""
+    """Mean square velocity [(m/s)^2] of the lines that lie no further than `most` [Hz] from a
+    frequency."""
     lines, density = (np.array(analysis["spectrum"][name]) for name in ("frequency", "psd_mean"))
     return density[np.abs(lines - frequency) <= most].sum() * lines[1]
 
 
 def tone(analysis, finest, frequency):
-    """The tone's mean square velocity [(m/s)^2]: what the finest mesh has there, on the same surfaces, is noise. The lines to
-    either side would not do for it: the noise itself has a peak where the tone stands on a resonance."""
+    """The tone's mean square velocity [(m/s)^2]: what the finest mesh has there, on the same
+    surfaces, is noise. The lines to either side would not do for it: the noise itself has a peak
+    where the tone stands on a resonance."""
     return tone_over_surroundings(analysis, frequency, SURROUNDINGS) - tone_over_surroundings(finest, frequency, SURROUNDINGS)
 
 
 def rise(analysis, frequency):
-    """`mesh_tone.rise` at another frequency [dB]: the highest of five lines above the median of the 36 about them."""
+    """`mesh_tone.rise` at another frequency [dB]: the highest of five lines above the median of the
+    36 about them."""
     density = np.array(analysis["spectrum"]["psd_mean"])
     line = round(frequency / analysis["spectrum"]["frequency"][1])
     around = np.r_[density[line - 20:line - 2], density[line + 3:line + 21]]
@@ -132,7 +141,8 @@ def with_spacing(case, load, spacing, duration=1.0, lines=LINES):
 
 
 def meshes(case, load, by_spacing):
-    """Within the plate's modes, the line at speed/spacing is that of the mesh: a finer one has it not."""
+    """Within the plate's modes, the line at speed/spacing is that of the mesh: a finer one has it
+    not."""
     finest, missing = min(by_spacing), []
     for spacing, found in by_spacing.items():
         if spacing > finest and passing(spacing) < NATURAL[-1]:

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The paper's Table 2 beside random profiles of ra2d, which `ra2d surface generate` makes and `ra2d surface measure` measures.
+"""The paper's Table 2 beside random profiles of ra2d, which `ra2d surface generate` makes and `ra2d
+surface measure` measures.
 
-The paper says "gaussian height distribution", and prints a kurtosis of 3.6 to 4.6. So for each row of the table there
-are profiles of the plate's length with the row's Rq and RSm and with heights of three kinds: normal ones, ones of the
-row's Rku, and flat ones, of the kurtosis of a uniform distribution, which have the paper's Ra.
+The paper says "gaussian height distribution", and prints a kurtosis of 3.6 to 4.6. So for each row
+of the table there are profiles of the plate's length with the row's Rq and RSm and with heights of
+three kinds: normal ones, ones of the row's Rku, and flat ones, of the kurtosis of a uniform
+distribution, which have the paper's Ra.
 
-The paper names no filter and no sampling length. Here there is no filter, and sampling lengths are 2.5 mm.
-RSm is that of ISO 21920-2, which leaves out small elements. `--rsm` of `surface generate` is the distance of upward
-crossings; it is asked for so that the median RSm is the paper's.
+The paper names no filter and no sampling length. Here there is no filter, and sampling lengths are
+2.5 mm. RSm is that of ISO 21920-2, which leaves out small elements. `--rsm` of `surface generate`
+is the distance of upward crossings; it is asked for so that the median RSm is the paper's.
 """
 import json
 
@@ -43,7 +45,8 @@ def measured(case, file):
 
 
 def by_numpy(z):
-    """Parameters of heights by their definitions: all but RSm. Rz is the mean height of the sampling lengths."""
+    """Parameters of heights by their definitions: all but RSm. Rz is the mean height of the
+    sampling lengths."""
     z = z - z.mean()
     rq = np.sqrt((z**2).mean())
     ends = len(z) * np.arange(1, SECTIONS) // SECTIONS  # a sampling length is no whole number of nodes
@@ -52,8 +55,8 @@ def by_numpy(z):
 
 
 def spread_of_rq(row):
-    """Variance of Rq^2 over its mean of normal heights with the correlation exp(-(x/l)^2), over LENGTH: 2 l sqrt(pi/2)/LENGTH.
-    Rice: the distance of upward crossings is sqrt(2) pi l."""
+    """Variance of Rq^2 over its mean of normal heights with the correlation exp(-(x/l)^2), over
+    LENGTH: 2 l sqrt(pi/2)/LENGTH. Rice: the distance of upward crossings is sqrt(2) pi l."""
     return np.sqrt(2 * np.pi) * 1e-6 * row[5] / CROSSING / (np.sqrt(2) * np.pi) / LENGTH
 
 

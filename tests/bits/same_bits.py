@@ -5,15 +5,18 @@
     same_bits.py OLD_PROGRAM NEW_PROGRAM [--keep FOLDER] [--only NAME]
 
 Both programs run some hundred scenes of every scheme, law, support, surface and way to end. Every
-dataset of their result files is compared, and for runs that fail the exit status and the message. What a run
-cost (time, nodes evaluated) and where it was built and ran may differ. Both programs must be built for the same
-instruction set by the same compiler: between others nothing is promised (CONTRIBUTING.md).
+dataset of their result files is compared, and for runs that fail the exit status and the message.
+What a run cost (time, nodes evaluated) and where it was built and ran may differ. Both programs
+must be built for the same instruction set by the same compiler: between others nothing is promised
+(CONTRIBUTING.md).
 
-The scenes are drawn here, by a generator with a seed: they are the same at every call. --only takes the scenes
-whose name holds NAME. --keep leaves scenes and results in FOLDER: FOLDER/NAME/scene.toml, old.h5, new.h5.
+The scenes are drawn here, by a generator with a seed: they are the same at every call. --only takes
+the scenes whose name holds NAME. --keep leaves scenes and results in FOLDER:
+FOLDER/NAME/scene.toml, old.h5, new.h5.
 
-The status is 1 if anything differs, or if the scenes do not show what they are there for: a scene that ends in
-another way than it is meant to, that has fewer shocks than it is meant to, or fewer than 60 scenes with contact.
+The status is 1 if anything differs, or if the scenes do not show what they are there for: a scene
+that ends in another way than it is meant to, that has fewer shocks than it is meant to, or fewer
+than 60 scenes with contact.
 """
 import argparse
 import collections
@@ -37,7 +40,8 @@ LEAST_WITH_CONTACT = 60
 LEAST_SHOCKS = 5  # of a scene, unless it says otherwise
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
-# ---- comparing two results -------------------------------------------------------------------------------------
+# ---- comparing two results
+# -------------------------------------------------------------------------------------
 
 COST = {f"summary/{name}" for name in ("nodes_evaluated", "step_seconds", "wall_seconds")}
 PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}  # attributes of a file
@@ -50,7 +54,8 @@ COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}  # d
 
 
 def read(path):
-    """All datasets of a result file, by name, and its attributes. The time, which stands in many groups, once."""
+    """All datasets of a result file, by name, and its attributes. The time, which stands in many
+    groups, once."""
     found = {}
 
     def walk(group):
@@ -114,7 +119,8 @@ SAMPLED = ("time", "displacement", "velocity", "force", "nodes", "kinetic", "ela
 
 
 def place_of(name, index, data):
-    """What the place of a number in a dataset is called, and its time in s; -inf: it was there before the run."""
+    """What the place of a number in a dataset is called, and its time in s; -inf: it was there
+    before the run."""
     group, _, leaf = name.rpartition("/")
     if group == "shocks":
         start = float(data["shocks/start"][index[0]])
@@ -168,7 +174,8 @@ def compare_results(old_path, new_path, attributes=True):
     return sorted((each for each in found if each), key=lambda each: each.when)
 
 
-# ---- scenes ----------------------------------------------------------------------------------------------------
+# ---- scenes
+# --------------------------------------------------------------------------------------------------
 
 METHODS = [(scheme, law, "old") for scheme in ("explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
                                                "exact", "adaptive") for law in ("penalty", "multiplier")
@@ -233,7 +240,8 @@ AGAIN = {  # scenes drawn again, so many times: what came before made few shocks
 
 
 class Drawer:
-    """Draws scenes: a thin plate and a small slider of one to 150 modes, rough faces that strike each other."""
+    """Draws scenes: a thin plate and a small slider of one to 150 modes, rough faces that strike
+    each other."""
 
     def __init__(self):
         self.decks = random.Random(2012)  # deals what there are a few kinds of; numbers are drawn for each scene alone
@@ -395,7 +403,8 @@ class Drawer:
 
 
 def drawn_scenes():
-    """Every method with every number of mode packs, twice, and then what is to be tried beside that."""
+    """Every method with every number of mode packs, twice, and then what is to be tried beside
+    that."""
     drawer = Drawer()
     for turn in ("", "-b"):
         for width in WIDTHS:
@@ -413,7 +422,8 @@ def drawn_scenes():
 
 
 def areal_scenes():
-    """A small block on the plate of scenes/areal.toml: by every scheme and law, with all nodes, held and free."""
+    """A small block on the plate of scenes/areal.toml: by every scheme and law, with all nodes,
+    held and free."""
     small = ["scene.spacing=1e-4", "slider.length=5e-3", "slider.width=4e-3", "resonator.max_frequency=8e3",
              "contact.stiffness=1e14", "output.rate=1e4"]
     free = [*small, "slider.load=0.5"]
@@ -481,9 +491,9 @@ BLOCKED = {
 
 
 def scenes_that_fail():
-    """One or more for each way to end that is not the usual one, but for two that no scene comes to here: out of
-    memory, and too fast for the clock. They fail soon: a file holds what the launches of the march had handed out by
-    then, and only the first has always the same length."""
+    """One or more for each way to end that is not the usual one, but for two that no scene comes to
+    here: out of memory, and too fast for the clock. They fail soon: a file holds what the launches
+    of the march had handed out by then, and only the first has always the same length."""
     yield Scene("blocked", BLOCKED, ends="blocked", shocks=0)
     listed = [
         ("unstable", "drop", "time.force=true", "time.step=1e-4", "output.rate=1e3"),
@@ -515,7 +525,8 @@ def scenes():
     yield from scenes_that_fail()
 
 
-# ---- running and comparing -------------------------------------------------------------------------------------
+# ---- running and comparing
+# -------------------------------------------------------------------------------------
 
 ENDINGS = {"unstable": "unstable: ", "not finite": "not finite: ", "blocked": "no motion of the kept modes",
            "crowded": "more nodes touch at once than there is memory for", "stalled": "the motion is too fast for"}

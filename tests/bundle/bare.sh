@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# bare.sh BUNDLE [SECONDS]: runs a bundle's tests and benchmarks in a Debian of nothing but its base system, made by
-# debootstrap. As root.
+# bare.sh BUNDLE [SECONDS]: runs a bundle's tests and benchmarks in a Debian of nothing but its base
+# system, made by debootstrap. As root.
 set -euo pipefail
 bundle=$(cd "$1" && pwd)
 seconds=${2:-300}

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs the tests of a bundle, then its benchmarks, and writes all that came out into one JSON file. Needs bash, awk and
-# the usual small tools, nothing else.
+# Runs the tests of a bundle, then its benchmarks, and writes all that came out into one JSON file.
+# Needs bash, awk and the usual small tools, nothing else.
 set -u
 shopt -s nullglob
 export LC_ALL=C
@@ -124,9 +124,11 @@ watch_clocks() {
   done
 }
 
-# ---- one part of a test program, or one benchmark, in a process of its own: a crash costs that part alone
+# ---- one part of a test program, or one benchmark, in a process of its own: a crash costs that
+# part alone
 
-# run_part KIND PROGRAM PART FILE SECONDS [argument...]: writes FILE.part (one JSON object) and FILE.state
+# run_part KIND PROGRAM PART FILE SECONDS [argument...]: writes FILE.part (one JSON object) and
+# FILE.state
 run_part() {
   local kind=$1 program=$2 part=$3 file=$4 seconds=$5 start status state took child
   shift 5
@@ -183,7 +185,8 @@ not_run() { # KIND PROGRAM PART FILE
   echo 'not run' > "$4.state"
 }
 
-# list PROGRAM FILE ARGUMENT...: what a program has, into FILE.names; one that does not even start is a failed part
+# list PROGRAM FILE ARGUMENT...: what a program has, into FILE.names; one that does not even start
+# is a failed part
 list() {
   local program=$1 file=$2 status
   shift 2

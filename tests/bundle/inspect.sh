@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# inspect.sh BUNDLE: whether a bundle carries what a bare machine lacks, and nothing that would not run there.
+# inspect.sh BUNDLE: whether a bundle carries what a bare machine lacks, and nothing that would not
+# run there.
 set -euo pipefail
 bundle=$(cd "$1" && pwd)
 fail() { echo "inspect.sh: $*" >&2; exit 1; }

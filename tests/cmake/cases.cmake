@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Run by ctest as it starts (ra2d_add_cases in tests/CMakeLists.txt): makes tests of the cases of a program of
-# GoogleTest. A process takes longer to start than most cases to run, under sanitizers many times as long. So up to ten
-# cases of a suite share one; a failing case is named in the output. With RA2D_TEST_CASES=1 in the environment each case
-# has its own process and name.
-# program, prefix, filter: the executable, what the names begin with, the filter of the cases
-# left_out: a file of regular expressions, one a line, of names that are left out; or empty
-# properties: of all these tests
+# Run by ctest as it starts (ra2d_add_cases in tests/CMakeLists.txt): makes tests of the cases of a
+# program of GoogleTest. A process takes longer to start than most cases to run, under sanitizers
+# many times as long. So up to ten cases of a suite share one; a failing case is named in the
+# output. With RA2D_TEST_CASES=1 in the environment each case has its own process and name. program,
+# prefix, filter: the executable, what the names begin with, the filter of the cases left_out: a
+# file of regular expressions, one a line, of names that are left out; or empty properties: of all
+# these tests
 if(NOT EXISTS "${program}")
   add_test("${prefix}not_built" "${program}")  # which fails
   return()

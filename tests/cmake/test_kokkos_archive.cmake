@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Which archive of Kokkos is taken (cmake/KokkosArchive.cmake). Run with cmake -DSOURCE=... -DFOLDER=... -P.
+# Which archive of Kokkos is taken (cmake/KokkosArchive.cmake). Run with cmake -DSOURCE=...
+# -DFOLDER=... -P.
 cmake_minimum_required(VERSION 3.25)
 include(${SOURCE}/cmake/KokkosArchive.cmake)
 

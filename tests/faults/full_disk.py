@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""full_disk.py RA2D: a run and a study on a disk that is full, and on one that can no longer be written; then there is
-room again, and the same line goes on to the bits of one that was left alone.
+"""full_disk.py RA2D: a run and a study on a disk that is full, and on one that can no longer be
+written; then there is room again, and the same line goes on to the bits of one that was left alone.
 
-The disk is a small tmpfs in a mount namespace of this test's own; only root may have one. Ends with 9 where it may not.
+The disk is a small tmpfs in a mount namespace of this test's own; only root may have one. Ends with
+9 where it may not.
 """
 import pathlib
 import subprocess

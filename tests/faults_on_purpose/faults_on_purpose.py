@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether the tests would notice: puts small faults into the code, one at a time, and runs the tests that ought to
-fail.
+"""Whether the tests would notice: puts small faults into the code, one at a time, and runs the
+tests that ought to fail.
 
 usage: faults_on_purpose.py BUILD_FOLDER [--only TEXT] [--share I/N] [--jobs N]
        faults_on_purpose.py --list [--only TEXT] [--share I/N]
@@ -19,14 +19,16 @@ faults.toml in this folder has the faults, in groups [[faults_of]]. A group has
     find     a regular expression that matches once. A blank in it matches any white space
     replace  what it becomes, as for re.sub
 
-A fault may have `tests` of its own. --check only verifies that each pattern matches exactly once: it takes a second.
+A fault may have `tests` of its own. --check only verifies that each pattern matches exactly once:
+it takes a second.
 
-Neither the sources nor the build folder change: the faulty file stands in a folder of its own that is searched first,
-only the sources named are compiled with it, and their objects take the place of the sound ones when the test program is
-linked. The build folder must be up to date.
+Neither the sources nor the build folder change: the faulty file stands in a folder of its own that
+is searched first, only the sources named are compiled with it, and their objects take the place of
+the sound ones when the test program is linked. The build folder must be up to date.
 
-A fault is killed when a test fails, crashes or does not end. One that survives is a test that is missing; that is a
-failure of this script, as is a fault that does not compile or whose pattern does not match once.
+A fault is killed when a test fails, crashes or does not end. One that survives is a test that is
+missing; that is a failure of this script, as is a fault that does not compile or whose pattern does
+not match once.
 """
 
 import argparse
@@ -126,8 +128,8 @@ def check(faults, root):
 class Build:
     def __init__(self, folder):
         self.folder = folder.resolve()
-        # of every source: path from the root (of a march, which CMake makes, generated/NAME) -> (arguments, object) for
-        # each program that has it
+        # of every source: path from the root (of a march, which CMake makes, generated/NAME) ->
+        # (arguments, object) for each program that has it
         self.commands = {}
         for entry in json.loads((folder / "compile_commands.json").read_text()):
             path = pathlib.Path(entry["file"])
@@ -143,7 +145,8 @@ class Build:
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
     def unity_members(self, path):
-        """The sources that a file of CMake's includes, where those of a folder are compiled together (RA2D_BY_FOLDER)."""
+        """The sources that a file of CMake's includes, where those of a folder are compiled
+        together (RA2D_BY_FOLDER)."""
         if path.parent.name != "Unity" or not path.is_relative_to(self.folder):
             return []
         return [pathlib.Path(source) for source in re.findall(r'#include "(.*)"', path.read_text())]
@@ -160,8 +163,8 @@ class Build:
         """Links `target` as the file `made`, with faulty objects for sound ones."""
         def has_tests(place):
             return f"/{pathlib.Path(target).name}.dir/" in place and pathlib.Path(place).name.startswith("test_")
-        # Where tests are compiled with the fault, others stay out: of a template's function that stands in several
-        # objects, the linker takes one, and that may be a sound one.
+        # Where tests are compiled with the fault, others stay out: of a template's function that
+        # stands in several objects, the linker takes one, and that may be a sound one.
         alone = any(map(has_tests, objects))
         words = [word for word in self.link_of(target) if word not in objects and not (alone and has_tests(word))]
         # before the libraries that have the sound ones
@@ -171,7 +174,8 @@ class Build:
             raise Broken("does not link: " + done.stdout[-300:])
 
     def sources(self, names):
-        """As named; where the march is compiled for the most modes alone (RA2D_ONE_MARCH), that one for another."""
+        """As named; where the march is compiled for the most modes alone (RA2D_ONE_MARCH), that one
+        for another."""
         found = [name if name in self.commands else name.replace("_few.", "_many.") for name in names]
         if missing := [name for name in found if name not in self.commands]:
             raise Broken(f"no source is called {', '.join(missing)}")
@@ -204,8 +208,8 @@ class Build:
 
 
 def concerns(source, program):
-    """Whether a test program needs a source compiled again: its own, and all of host/. The march is left to those that
-    run it: the tests of the kernels include what they test."""
+    """Whether a test program needs a source compiled again: its own, and all of host/. The march is
+    left to those that run it: the tests of the kernels include what they test."""
     if source.startswith("tests/"):
         return program == "test_" + source.split("/")[1]
     return program != "test_kernels" or not source.startswith("generated/march_")
@@ -219,7 +223,8 @@ def apply(build, fault, folder):
     made = {}
 
     def objects_for(program):
-        """Those of its sources that are concerned: the place of each in the build folder, and the faulty one."""
+        """Those of its sources that are concerned: the place of each in the build folder, and the
+        faulty one."""
         for source in build.sources(fault.get("compile", [fault["file"]])):
             if not concerns(source, program):
                 continue

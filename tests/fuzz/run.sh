@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|map|checkpoint|ledger|study ...]
-# Builds the fuzzers of the readers of profiles, maps, checkpoints and studies with libFuzzer and the address and
-# undefined-behaviour sanitizers, and runs each for so long. What ends one is left in build/fuzz. Status 1 if there is
-# any, 0 also where no clang is. RA2D_FUZZ_SEED (default: 1) is where libFuzzer's draws begin, 0 for a place of its own
-# each time: so the checks of one commit end in the same way twice, and whoever hunts can hunt elsewhere.
+# usage: tests/fuzz/run.sh SECONDS [text|sdf|x3p|map|checkpoint|ledger|study ...] Builds the fuzzers
+#        of the readers of profiles, maps, checkpoints and studies with libFuzzer and the address
+#        and undefined-behaviour sanitizers, and runs each for so long. What ends one is left in
+#        build/fuzz. Status 1 if there is any, 0 also where no clang is. RA2D_FUZZ_SEED (default: 1)
+#        is where libFuzzer's draws begin, 0 for a place of its own each time: so the checks of one
+#        commit end in the same way twice, and whoever hunts can hunt elsewhere.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 seconds=${1:?usage: run.sh SECONDS [text|sdf|x3p|map|checkpoint|ledger|study ...]}
@@ -35,7 +36,8 @@ shifts() { grep -q 'toml.hpp\|reader.hpp' "$1" && echo -fno-sanitize=shift-expon
 stop_all() { for pid in $(jobs -p); do pkill -P "$pid" || true; kill "$pid" || true; done 2> /dev/null; }
 trap stop_all EXIT
 trap 'exit 130' INT TERM
-# COMMAND with each of the words, as many side by side as there are processors. Fails if any of them does.
+# COMMAND with each of the words, as many side by side as there are processors. Fails if any of them
+# does.
 side_by_side() {  # COMMAND WORD...
   local command=$1 failed=0 pids=() word pid
   for word in "${@:2}"; do

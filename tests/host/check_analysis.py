@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares what `ra2d analyze OUT.h5 --json` said with numpy's and scipy's answer from the same file.
+"""Compares what `ra2d analyze OUT.h5 --json` said with numpy's and scipy's answer from the same
+file.
 
     check_analysis.py OUT.h5 SAID.json
 """
@@ -54,7 +55,8 @@ def quick_length(least):
 
 
 def third_octaves(signal, weights, rate, centres):
-    """Levels by a filter of its own: a Butterworth bandpass of order 6 by its poles, not by its formula."""
+    """Levels by a filter of its own: a Butterworth bandpass of order 6 by its poles, not by its
+    formula."""
     length = quick_length(len(signal))
     power = 2 * np.abs(np.fft.rfft(signal, length, axis=0)) ** 2 @ weights / (len(signal) * length)
     if length % 2 == 0:

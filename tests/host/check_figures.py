@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """check_figures.py OUT.h5: every figure of the report and every dataset against its definition.
 
-The file is of tests/host/figures.toml or a variant of it, with a sample at every step of a fixed length: what the
-program sums up on its way is found here from the samples, with formulas of its own. Sums are compared to 1e-9 (their
-order differs), what the program itself rounds to a thousandth to that, and what is a trapezoid here and a sum over
-steps there to the order of a step. An adaptive run is integrated exactly by the program and sampled densely here:
-what is summed then agrees to the order of the time between samples, and starts and ends to that time.
+The file is of tests/host/figures.toml or a variant of it, with a sample at every step of a fixed
+length: what the program sums up on its way is found here from the samples, with formulas of its
+own. Sums are compared to 1e-9 (their order differs), what the program itself rounds to a thousandth
+to that, and what is a trapezoid here and a sum over steps there to the order of a step. An adaptive
+run is integrated exactly by the program and sampled densely here: what is summed then agrees to the
+order of the time between samples, and starts and ends to that time.
 """
 import math
 import sys
@@ -126,7 +127,8 @@ def main(path):
     close("energy/load_work", data["energy/load_work"], load / math.sqrt(slider["length"]) * (rigid - rigid[0]), 1e-8)
     stored = sum(data[f"energy/{name}"] for name in ("kinetic", "elastic", "contact", "damping_loss"))
     paid = data["energy/sliding_work"] + data["energy/load_work"]
-    # work of the imposed sliding: the force on the slope of polygon and bent plate, at the one node that can touch
+    # work of the imposed sliding: the force on the slope of polygon and bent plate, at the one node
+    # that can touch
     node = int(np.argmax(data["surface/slider/height"])) * chi
     place = start["start"] + speed * time + node
     height = data["surface/resonator/height"]

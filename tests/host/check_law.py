@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_law.py TABLE.json SAID.json: what `ra2d analyze STUDY --json` says of a law, by the definitions.
+"""check_law.py TABLE.json SAID.json: what `ra2d analyze STUDY --json` says of a law, by the
+definitions.
 
 TABLE has the values of the axes, the seeds' last, and v_rms in C order.
 """

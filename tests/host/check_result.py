@@ -4,10 +4,10 @@
 
     check_result.py OUT.h5
 
-The file must end in its seal. Names, axes, units, long names, coordinates and shapes must be those of docs/results.md,
-and the numbers those of their hashes.
-Times carry the unit "s": xarray makes time differences of "seconds", but leaves "s" as numbers.
-Every group has the values along its axes; the time of the samples is one dataset with a link in each.
+The file must end in its seal. Names, axes, units, long names, coordinates and shapes must be those
+of docs/results.md, and the numbers those of their hashes. Times carry the unit "s": xarray makes
+time differences of "seconds", but leaves "s" as numbers. Every group has the values along its axes;
+the time of the samples is one dataset with a link in each.
 """
 import sys
 
@@ -81,7 +81,8 @@ def same(a, b):
 
 
 def members_of(file):
-    """The datasets without those that may be missing and are; h5py's own listing names a dataset of many links once."""
+    """The datasets without those that may be missing and are; h5py's own listing names a dataset of
+    many links once."""
     here = {}
     for group, members in (AREAL_DATASETS if file.attrs["format"] == AREAL_FORMAT else DATASETS).items():
         names = set(file[group or "/"]) - {name for name, item in file[group or "/"].items() if isinstance(item, h5py.Group)}

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_study.py TABLE: a study's table opens in xarray and h5py by defaults, with its axes, units and hashes.
+"""check_study.py TABLE: a study's table opens in xarray and h5py by defaults, with its axes, units
+and hashes.
 
 The study: scheme (words) x speed x seed, of which all runs of rk4 were refused.
 """

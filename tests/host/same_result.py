@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""same_result.py A.h5 B.h5: every dataset of the two result files is equal, bit for bit, but for what the run cost."""
+"""same_result.py A.h5 B.h5: every dataset of the two result files is equal, bit for bit, but for
+what the run cost."""
 import pathlib
 import sys
 

@@ -2,9 +2,10 @@
 """A quick `python3` for tests that let the program call the Python package hundreds of times.
 
 Importing numpy, pandas and matplotlib takes a second. `started()` imports the package once, in a
-server; the `python3` that it puts into a folder hands its request, its three streams, its folder and
-its environment to the server, which answers it in a fork. Limits on resources are those of the server.
-Tests whose subject is the start of Python itself use the real one. Tests in C++: tests/warm_python.hpp."""
+server; the `python3` that it puts into a folder hands its request, its three streams, its folder
+and its environment to the server, which answers it in a fork. Limits on resources are those of the
+server. Tests whose subject is the start of Python itself use the real one. Tests in C++:
+tests/warm_python.hpp."""
 import contextlib
 import json
 import os
@@ -93,7 +94,8 @@ def started():
 
 
 def offer():
-    """Prints the PATH, for a program that is no Python, and serves until the standard input ends."""
+    """Prints the PATH, for a program that is no Python, and serves until the standard input
+    ends."""
     with started() as path:
         print(path, flush=True)
         sys.stdin.read()

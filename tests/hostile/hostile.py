@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Attempts on ra2d: scenes, profiles and results at fault, kills, signals; and whether runs that were cut off go on.
+"""Attempts on ra2d: scenes, profiles and results at fault, kills, signals; and whether runs that
+were cut off go on.
 
     hostile.py PROGRAM PART [--times N] [--share I/N] [--seed S] [--kills N]
 
-PART: scenes, profiles, kills, signals, resumes, studies or readers. --times multiplies the random cases; --share runs every Nth case
-from the Ith (from 1) on. Prints how many there were and how they ended. The status is 1 if there were fewer than --kills kills of those that
-go on, if they went on from checkpoints less than once a case, or if one of them
+PART: scenes, profiles, kills, signals, resumes, studies or readers. --times multiplies the random
+cases; --share runs every Nth case from the Ith (from 1) on. Prints how many there were and how they
+ended. The status is 1 if there were fewer than --kills kills of those that go on, if they went on
+from checkpoints less than once a case, or if one of them
 
 - ended with a status that is not promised, by a crash, or not within 20 s;
 - ended with 0 and data that are not finite, in the file or in the report;
@@ -14,8 +16,8 @@ go on, if they went on from checkpoints less than once a case, or if one of them
 - left anything else behind, or changed an input;
 - went on from a kill or a signal to other bits than a run that was left alone;
 - printed more than 20 kB on stderr, or a control character;
-- made anything of a result, a study's table or a kept result that was damaged or changed (part readers), or called it
-  complete or whole.
+- made anything of a result, a study's table or a kept result that was damaged or changed (part
+  readers), or called it complete or whole.
 """
 import argparse
 import hashlib
@@ -170,8 +172,9 @@ def marches(folder):
 
 
 def end_scene(process, program, words, folder):
-    """The same of a run that may have a lot to do: then it is interrupted, once it marches. Whatever has
-    little to do, or does not come to march, has to end by itself: a loop without end would be interrupted, too."""
+    """The same of a run that may have a lot to do: then it is interrupted, once it marches.
+    Whatever has little to do, or does not come to march, has to end by itself: a loop without end
+    would be interrupted, too."""
     if not ended_within(process, ENOUGH) and words[0] == b"run" and planned_time(program, words, folder) > LONG_RUN:
         begun = time.monotonic()
         while time.monotonic() - begun < PATIENCE and not marches(folder) and not ended_within(process, 0.1):
@@ -689,8 +692,8 @@ def sealed(data):
     return data + seal.seal_of(data)
 
 
-# These compare with the seal what they use, and nothing else: of bytes that they do not use they take no notice.
-# (Not `plot`, whose Python takes seconds: it is asked only where it must refuse.)
+# These compare with the seal what they use, and nothing else: of bytes that they do not use they
+# take no notice. (Not `plot`, whose Python takes seconds: it is asked only where it must refuse.)
 READS_A_PART = ["analyze", "json", "report", "sound", "several"]
 READS_A_PART_OF_STUDY = [["analyze", "study"], ["report", "study", "-o", "page.html"]]
 MAY_GO_UNSEEN = ("bit", "bit of the metadata")

@@ -5,8 +5,8 @@
 usage: house.py SOURCE_FOLDER
 
 - Every folder of host/ stands above all that it includes, and so does every header of kernels/.
-- What reads and writes results (OF_FILES) stands without the device: it includes neither Kokkos nor kernels/ nor
-  host/device, and no header that does.
+- What reads and writes results (OF_FILES) stands without the device: it includes neither Kokkos nor
+  kernels/ nor host/device, and no header that does.
 - No two headers have one name: an include by its last word would find either.
 - No two types have one name: two structs of one name in two files are undefined behaviour (of those
   in unnamed namespaces, which are no harm, a reader would confuse them: `allowed` lists these).
@@ -20,8 +20,8 @@ import sys
 # From the ground up.
 HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "scene_file", "result", "store", "analysis",
         "model", "device", "plan", "run", "ensemble", "study", "savings", "chart", "commands"]
-# What reads and writes files: it reaches neither kernels/ nor host/device, by no chain of includes, but for what a
-# scene names of the kernels.
+# What reads and writes files: it reaches neither kernels/ nor host/device, by no chain of includes,
+# but for what a scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
 KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
@@ -55,7 +55,8 @@ def named_types(text):
 
 
 def path_to_device(path, includes):
-    """A chain of includes from a file to Kokkos, kernels/ or host/device; empty where there is none."""
+    """A chain of includes from a file to Kokkos, kernels/ or host/device; empty where there is
+    none."""
     chains, seen = [[path]], {path}
     while chains:
         chain = chains.pop(0)

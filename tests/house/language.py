@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether comments and names keep to plain English and to one name for each thing (CONTRIBUTING.md).
+"""Whether comments and names keep to plain English and to one name for each thing
+(CONTRIBUTING.md).
 
 usage: language.py SOURCE_FOLDER [FOLDER_OR_FILE...]
 
-Of all .hpp, .cpp and .py files below kernels, host, tests and bench, or of those named:
+Of all .hpp, .cpp and .py files, scripts of bash and CMake below kernels, host, tests, bench and
+cmake, or of those named:
 
-- no comment line of C++ is longer than 100 columns;
-- no comment of a declaration (///) begins with "...", "The same", "What" or "Who": it begins with the thing;
-- no name is one of PRIVATE_NAMES, or one with "_" behind it: they once meant something to their authors alone.
+- no line of comment is longer than 100 columns;
+- no comment of a declaration (///) begins with "...", "The same", "What" or "Who": it begins with
+  the thing;
+- no name is one of PRIVATE_NAMES, or one with "_" behind it: they once meant something to their
+  authors alone.
 """
 
 import io
@@ -51,18 +55,27 @@ PRIVATE_NAMES = {
     "t_": "tables_",
     "s_": "state_",
 }
-FOLDERS = ["kernels", "host", "tests", "bench"]
+FOLDERS = ["kernels", "host", "tests", "bench", "cmake"]
 
 COMMENT = re.compile(r"^\s*(///|//)( ?)(.*)$")
 BEGINS = re.compile(r"^(\.\.\.|The same\b|What\b|Who\b)")
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"' + r"|'(?:[^'\\\n]|\\.)'")
 RAW = re.compile(r'R"(\w*)\((?:.|\n)*?\)\1"')
-# a use of a name, but as a member of something (queue.push) or in another namespace (std::this_thread::yield)
+# a use of a name, but as a member of something (queue.push) or in another namespace
+# (std::this_thread::yield)
 USED = re.compile(r"(?<![\w.>:])(%s)_?(?!\w)" % "|".join(PRIVATE_NAMES))
+
+
+def of_scripts(path, text):
+    """Lines of comment of Python, bash and CMake."""
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line) > 100 and line.lstrip().startswith("#") and "http" not in line:
+            yield f"{path}:{number}: a comment of {len(line)} columns"
 
 
 def of_python(path, text):
     """Names of Python: what stands in strings, formatted ones too, is not seen."""
+    yield from of_scripts(path, text)
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         name = token.string
         if token.type == tokenize.NAME and name in PRIVATE_NAMES and not keyword.iskeyword(name):
@@ -89,15 +102,19 @@ def faults_of(path, text):
             yield f"{path}:{number}: '{found.group(0)}': {PRIVATE_NAMES[found.group(1)]}"
 
 
+CHECKS = {".hpp": faults_of, ".cpp": faults_of, ".py": of_python, ".sh": of_scripts,
+          ".cmake": of_scripts, ".txt": of_scripts}
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     named = [root / name for name in sys.argv[2:]] or [root / folder for folder in FOLDERS]
-    files = [f for n in named for f in ([n] if n.is_file() else sorted([*n.rglob("*.?pp"), *n.rglob("*.py")]))]
+    files = [f for n in named for f in ([n] if n.is_file() else sorted(n.rglob("*")))
+             if f.suffix in CHECKS and f.is_file() and "corpus" not in f.parts]
     if not files:
         raise SystemExit(f"{root}: no files")
     found = [fault for file in files
-             for fault in (of_python if file.suffix == ".py" else faults_of)(
-                 file.relative_to(root).as_posix(), file.read_text())]
+             for fault in CHECKS[file.suffix](file.relative_to(root).as_posix(), file.read_text())]
     print("\n".join(found) or f"{len(files)} files: no fault of language")
     sys.exit(bool(found))
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether every relative link of every page (.md) leads to a file, every anchor to a heading, and every path of the
-repository that a page names in `code` to a file.
+"""Whether every relative link of every page (.md) leads to a file, every anchor to a heading, and
+every path of the repository that a page names in `code` to a file.
 
 usage: links.py SOURCE_FOLDER
 
-A heading's anchor is made as GitHub makes it: lower case, without punctuation, blanks as hyphens, -1, -2 for repeated
-headings. Links inside code are no links. A path begins with one of FOLDERS; capitals alone (NAME, CASE) stand for any.
+A heading's anchor is made as GitHub makes it: lower case, without punctuation, blanks as hyphens,
+-1, -2 for repeated headings. Links inside code are no links. A path begins with one of FOLDERS;
+capitals alone (NAME, CASE) stand for any.
 """
 import pathlib
 import re

@@ -4,10 +4,11 @@
 
 usage: tutorial.py RA2D TUTORIAL.md
 
-In an empty folder: each ```toml block that begins with "# NAME" is saved as NAME; each ```sh block runs, and must end
-with 0. Each line of a ```text block must be among what the commands before it have printed since the last ```text
-block, in this order. Numbers may differ: other processors give other last bits, and the motion is chaotic.
-Afterwards every file that a comment of a command names must be there.
+In an empty folder: each ```toml block that begins with "# NAME" is saved as NAME; each ```sh block
+runs, and must end with 0. Each line of a ```text block must be among what the commands before it
+have printed since the last ```text block, in this order. Numbers may differ: other processors give
+other last bits, and the motion is chaotic. Afterwards every file that a comment of a command names
+must be there.
 """
 import os
 import pathlib

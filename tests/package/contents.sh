@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# contents.sh CPACK CONFIG PYTHON: makes the packages of a build that is finished, and looks at what they hold. PYTHON
-# may be empty. Exit status 9: there is no dpkg-deb here.
+# contents.sh CPACK CONFIG PYTHON: makes the packages of a build that is finished, and looks at what
+# they hold. PYTHON may be empty. Exit status 9: there is no dpkg-deb here.
 set -euo pipefail
 cpack=$1 config=$2 python=$3
 command -v dpkg-deb > /dev/null && command -v dpkg-shlibdeps > /dev/null || { echo "no dpkg-dev here"; exit 9; }

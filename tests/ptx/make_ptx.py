@@ -4,9 +4,9 @@
 
 usage: make_ptx.py [--jobs N] BUILD FOLDER [FORM...]
 
-BUILD was configured for CUDA; nothing in it has to be built. The flags are those of its own marches, but optimised
-and with the source's lines: so what is wrong with the flags shows in the PTX. Writes FOLDER/FORM.ptx; all forms, or those
-named. Standard library only.
+BUILD was configured for CUDA; nothing in it has to be built. The flags are those of its own
+marches, but optimised and with the source's lines: so what is wrong with the flags shows in the
+PTX. Writes FOLDER/FORM.ptx; all forms, or those named. Standard library only.
 """
 import argparse
 import concurrent.futures

@@ -4,10 +4,11 @@
 
 usage: slurm.py RA2D SOURCE_FOLDER
 
-Starts a private slurmctld and slurmd in a temporary folder, on this machine and for this user alone. Submits the very
-script of docs/studies.md, requeues one part once it has finished some runs, merges, and compares the table with that
-of an uninterrupted study: every byte but the times. Where ra2d has MPI and Slurm has PMIx, srun's ranks, too.
-Exit status: 0 as it should be, 1 not, 9 there is no Slurm here.
+Starts a private slurmctld and slurmd in a temporary folder, on this machine and for this user
+alone. Submits the very script of docs/studies.md, requeues one part once it has finished some runs,
+merges, and compares the table with that of an uninterrupted study: every byte but the times. Where
+ra2d has MPI and Slurm has PMIx, srun's ranks, too. Exit status: 0 as it should be, 1 not, 9 there
+is no Slurm here.
 """
 
 import ctypes
@@ -40,7 +41,8 @@ seeds = {seeds}
 speed = {{ key = "scene.speed", values = [0.1, 0.2, 0.4] }}
 rq = {{ keys = ["resonator.surface.rq", "slider.surface.rq"], values = [4e-6, 8e-6] }}
 """
-# No accounts, no keys, no cgroups; two processors, whatever there are; what waits is looked at every second
+# No accounts, no keys, no cgroups; two processors, whatever there are; what waits is looked at
+# every second
 CONFIGURATION = """
 ClusterName=test
 SlurmctldHost={host}(127.0.0.1)
@@ -109,7 +111,8 @@ def batch_script(source):
 
 
 def content(table):
-    """All that a table holds but what tells of times: bytes of every dataset, and every attribute."""
+    """All that a table holds but what tells of times: bytes of every dataset, and every
+    attribute."""
     held = {}
     with h5py.File(table) as file:
         held["/"] = dict(file.attrs)
@@ -147,7 +150,8 @@ def requeue_one(job, folder):
             continue  # it is done: this machine is quick
         # it would wait two minutes, for the sake of nodes that are slow to clean up
         until("it waits", lambda: "BeginTime" in run("squeue", "--noheader", "-o", "%r", "-j", number).stdout)
-        # the node knows what it is not to start any more by whole seconds, and would take the new job for the old one
+        # the node knows what it is not to start any more by whole seconds, and would take the new
+        # job for the old one
         time.sleep(2)
         run("scontrol", "update", f"JobId={number}", "StartTime=now")
         return part

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# clang-tidy (.clang-tidy) over host/ and, with it, the kernels that the device's files include: run.sh [FILE...]
-# The marches are the same templates eight times: two of them, one of each loop, stand for all.
+# clang-tidy (.clang-tidy) over host/ and, with it, the kernels that the device's files include:
+# run.sh [FILE...] The marches are the same templates eight times: two of them, one of each loop,
+# stand for all.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 command -v clang-tidy > /dev/null || { echo "clang-tidy is not here: apt-get install clang-tidy"; exit 1; }

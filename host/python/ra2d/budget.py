@@ -28,7 +28,8 @@ from .studies import Study, study
 AS_GIVEN = "as asked"
 CHANCE = "chance"
 PAIRED = 3  # realisations that each source is tried on: shifts of pairs scatter little
-# the quantity, its variable in the study, its unit, whether it is compared by ratios, and what it is called
+# the quantity, its variable in the study, its unit, whether it is compared by ratios, and what it
+# is called
 QUANTITIES = (("level", "level", "dB re 1 nm/s", False, "level"),
               ("shock_rate", "shock_rate", "1/s", True, "rate of shocks"),
               ("shock_duration", "shock_duration_median", "s", True, "duration of a shock"))
@@ -48,21 +49,20 @@ class Budget:
       Level in dB; rate and duration in hundredths of the natural logarithm: small ones are per
       cent, -42 is a factor of exp(-0.42) = 0.66
     - `realisations`: a row for each pair of faces: the `kind` of either face, and
-      `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of Rq
-    - `runs`: a row for each run: `source`, `realisation`, the three quantities, and `message`, why a
-      run has none
+      `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of
+      Rq
+    - `runs`: a row for each run: `source`, `realisation`, the three quantities, and `message`, why
+      a run has none
     - `dominant`: for each quantity the source that moves it most
     - `notes`: what is missing, and why
     - `study`: the runs as `ra2d.study` keeps them
 
     The interval of the whole adds chance and shifts as squares.
 
-    >>> import ra2d
-    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-    >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
-    ('dB re 1 nm/s', 'ln/100')
-    >>> budget.realisations["slider"].tolist()
-    ['seed 1', 'seed 1001', 'seed 2001']
+    >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+    tolerance=1e-6), seeds=3) >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"] ('dB
+    re 1 nm/s', 'ln/100') >>> budget.realisations["slider"].tolist() ['seed 1', 'seed 1001', 'seed
+    2001']
     """
 
     level: Estimate
@@ -78,8 +78,8 @@ class Budget:
     def text(self) -> str:
         """The text that `ra2d uncertainty` prints.
 
-        >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+        tolerance=1e-6), seeds=3)
         >>> print(budget.text().splitlines()[0])                       # doctest: +ELLIPSIS
         level                ... dB re 1 nm/s (95 %: ...), mostly ...
         """
@@ -107,10 +107,9 @@ class Budget:
     def to_dict(self) -> dict[str, Any]:
         """The budget as nested dicts in SI units, for JSON; None for what does not exist.
 
-        >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-        >>> sorted(budget.to_dict())
-        ['dominant', 'notes', 'quantities', 'realisations', 'runs', 'sources']
+        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+        tolerance=1e-6), seeds=3) >>> sorted(budget.to_dict()) ['dominant', 'notes', 'quantities',
+        'realisations', 'runs', 'sources']
         """
         quantities = {}
         for name, *_ in QUANTITIES:
@@ -131,9 +130,8 @@ class Budget:
     def to_json(self) -> str:
         """`to_dict` as text.
 
-        >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-        >>> budget.to_json().splitlines()[1]
+        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+        tolerance=1e-6), seeds=3) >>> budget.to_json().splitlines()[1]
         '  "quantities": {'
         """
         return json.dumps(self.to_dict(), ensure_ascii=False, indent=2, allow_nan=False)
@@ -141,10 +139,8 @@ class Budget:
     def to_csv(self, path: str | os.PathLike[str]) -> pathlib.Path:
         """Writes `table` as CSV, its units in the heads. Returns where it is.
 
-        >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-        >>> budget.to_csv("budget.csv").name
-        'budget.csv'
+        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+        tolerance=1e-6), seeds=3) >>> budget.to_csv("budget.csv").name 'budget.csv'
         """
         place = pathlib.Path(path)
         files.write(place, self.csv())
@@ -153,10 +149,9 @@ class Budget:
     def csv(self) -> str:
         """`table` as text, its units in the heads.
 
-        >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-        >>> budget.csv().splitlines()[0].split(",")[:3]
-        ['source', 'changed to', 'level_dB']
+        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+        tolerance=1e-6), seeds=3) >>> budget.csv().splitlines()[0].split(",")[:3] ['source',
+        'changed to', 'level_dB']
         """
         heads = {f"{name}{end}": f"{name}{end}_{unit}" for name, unit in UNITS.items() for end in ("", "_chance")}
         return str(self.table.rename(columns=heads).to_csv(index_label="source"))
@@ -207,8 +202,8 @@ def _largest_step(plan: str) -> float:
 
 
 def _other_step(what: Scene, step: float) -> tuple[str, dict[str, Any]]:
-    """Twice the step costs a quarter of half of it, and moves a scheme of first order by its whole error
-    instead of half. Half the step is taken near the limit of stability, or of the samples."""
+    """Twice the step costs a quarter of half of it, and moves a scheme of first order by its whole
+    error instead of half. Half the step is taken near the limit of stability, or of the samples."""
     try:
         plan = what.change({"time.step": 2 * step}).plan()
     except RequestError:
@@ -257,8 +252,8 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
 
 
 def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
-    """The runs that a source's own are compared with. Where twice the step is stable, both take it: their
-    difference hardly feels the step, and costs half."""
+    """The runs that a source's own are compared with. Where twice the step is stable, both take it:
+    their difference hardly feels the step, and costs half."""
     return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else AS_GIVEN
 
 
@@ -323,26 +318,23 @@ def _finite(values: pd.Series[float]) -> npt.NDArray[np.float64]:
 
 def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seeds: int = 5, *,
                 folder: str | os.PathLike[str] | None = None, threads: int | None = None, show: bool = True) -> Budget:
-    """The error budget of a scene. It runs `seeds` realisations of its faces as asked, then three of
-    them with another tolerance (or step), a finer spacing, more modes and a stiffer contact. The
+    """The error budget of a scene. It runs `seeds` realisations of its faces as asked, then three
+    of them with another tolerance (or step), a finer spacing, more modes and a stiffer contact. The
     same call continues it.
 
     Realisations of a random face are other seeds. Of a measured one they are other stretches of its
     trace where it is long enough, then its mirror image, then surrogates: the same spectrum with
-    other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as they
-    stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
+    other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as
+    they stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
     surrogate the amplitude of each wave: both scatter less than other traces would.
 
     - `source`: a scene, or what `ra2d.scene` takes
     - `folder`: where the study is kept; without it in the current folder, SCENE-uncertainty
     - `threads`: all processors without it
 
-    >>> import ra2d
-    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
-    >>> budget.table.index.tolist()
-    ['chance', 'tolerance', 'spacing', 'modes', 'stiffness']
-    >>> budget.level.low < budget.level < budget.level.high
-    True
+    >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
+    tolerance=1e-6), seeds=3) >>> budget.table.index.tolist() ['chance', 'tolerance', 'spacing',
+    'modes', 'stiffness'] >>> budget.level.low < budget.level < budget.level.high True
     """
     if not isinstance(seeds, int) or seeds < 2:
         raise RequestError(f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are good)")

@@ -47,7 +47,8 @@ def _is_whole_decade(row: Row) -> bool:
 
 
 def _draw_unknown(axes: Any, wall: float, most: float, colour: str) -> None:
-    """A run that is nearer to the reference than the reference is to the truth: an arrow from the most it may err."""
+    """A run that is nearer to the reference than the reference is to the truth: an arrow from the
+    most it may err."""
     axes.annotate("", (wall, most / 12), (wall, most), zorder=3,
                   arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.4, "shrinkA": 0, "shrinkB": 0})
     axes.plot(wall, most, "_", color=colour, ms=10, mew=1.6, zorder=3)
@@ -97,9 +98,11 @@ def _plain(value: float, digits: int) -> str:
 
 
 def _draw_statistics(axes: Any, rows: list[Row], quantity: str, label: str, unit: float) -> None:
-    """Mean over the surfaces with its standard error, thin; thick, how far from the reference on the same ones.
+    """Mean over the surfaces with its standard error, thin; thick, how far from the reference on
+    the same ones.
 
-    Multipliers, another model, do not widen the axis: what lies beyond it is written at its edge."""
+    Multipliers, another model, do not widen the axis: what lies beyond it is written at its
+    edge."""
     rows = [row for row in rows if row["quantity"] == quantity]
 
     def value(row: Row, column: str) -> float:

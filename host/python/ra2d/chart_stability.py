@@ -33,7 +33,8 @@ def _eigenvalues(modes: Rows, contact: str) -> list[complex]:
 
 
 def _draw_curves(axes: Any, regions: Rows, place: Place) -> None:
-    """Limits by theory: solid of free modes, dashed of the contact spring where free modes have none."""
+    """Limits by theory: solid of free modes, dashed of the contact spring where free modes have
+    none."""
     for key, (_, colour) in NAMES.items():
         for contact, style in (("open", "-"), ("closed", "--")):
             points = [p for p in _curve(regions, key, contact) if 0 < p[1] < math.inf]
@@ -65,7 +66,8 @@ def _label(axes: Any, text: str, x: float, y: float, key: tuple[str, str], **mor
 
 
 def _draw_limits(axes: Any, limits: Rows, regions: Rows, modes: Rows) -> None:
-    """The size of a step, x = |lambda| tau, against the damping ratio; on its log axis, the left edge is 0."""
+    """The size of a step, x = |lambda| tau, against the damping ratio; on its log axis, the left
+    edge is 0."""
     edge = 1e-4
 
     def place(zeta: float, x: float) -> Point:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Commands of the program that this package answers. Each takes the request that the program made of
-the command line (host/commands), writes into the files that it names, and returns what is printed."""
+"""Commands of the program that this package answers. Each takes the request that the program made
+of the command line (host/commands), writes into the files that it names, and returns what is
+printed."""
 from __future__ import annotations
 
 import io

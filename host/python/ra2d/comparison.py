@@ -35,7 +35,8 @@ Source = Union[str, "os.PathLike[str]", Result, Scene, Study, Sequence[Any]]
 
 @dataclasses.dataclass(frozen=True)
 class _Figure:
-    """One number of an analysis. `kind`: "mean" (over time: of its parts it is the mean), "median"."""
+    """One number of an analysis. `kind`: "mean" (over time: of its parts it is the mean),
+    "median"."""
 
     name: str
     unit: str
@@ -65,22 +66,19 @@ class Comparison:
 
     - `names`: what A and B are called
     - `scene`: a row for each key that differs: `a`, `b`, `unit`; None where a side does not have it
-    - `answers`: a row for each quantity: `a`, `b`, `unit`; `difference`, b - a in dB for levels, and
-      100 ln(b/a) for others (small ones are per cent); `chance`: how likely chance alone makes such
-      a difference or a greater one; `differs`: True where that is below 0.05, None where that is not
-      known; `why`: why it is not
+    - `answers`: a row for each quantity: `a`, `b`, `unit`; `difference`, b - a in dB for levels,
+      and 100 ln(b/a) for others (small ones are per cent); `chance`: how likely chance alone makes
+      such a difference or a greater one; `differs`: True where that is below 0.05, None where that
+      is not known; `why`: why it is not
     - `bands`: the same of third octaves [dB re 1 nm/s]; their `chance` is that of the whole family
       (Holm): in one of twenty comparisons of equal noises any band is marked
     - `test`: which test was used and how often it raises a false alarm
     - `notes`: what to mind
 
-    >>> import ra2d
-    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6) for v in (0.1, 0.2)]
-    >>> found = ra2d.compare(slow, fast)
-    >>> found.scene.loc["scene.speed"].tolist()
-    [0.1, 0.2, 'm/s']
-    >>> found.answers["unit"]["level"]
-    'dB re 1 nm/s'
+    >>> import ra2d >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6)
+    for v in (0.1, 0.2)] >>> found = ra2d.compare(slow, fast) >>>
+    found.scene.loc["scene.speed"].tolist() [0.1, 0.2, 'm/s'] >>> found.answers["unit"]["level"] 'dB
+    re 1 nm/s'
     """
 
     names: tuple[str, str]
@@ -153,7 +151,8 @@ class Comparison:
         return f"<pre>{html.escape(self.text())}</pre>"
 
 
-# ---- words -----------------------------------------------------------------------------------------
+# ---- words
+# -----------------------------------------------------------------------------------------
 
 def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
@@ -207,7 +206,8 @@ def _verdict(row: Any) -> str:
     return "more than chance" if row.differs else "within chance"
 
 
-# ---- scenes -----------------------------------------------------------------------------------------
+# ---- scenes
+# -----------------------------------------------------------------------------------------
 
 def _flat(content: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     found: dict[str, Any] = {}
@@ -266,11 +266,12 @@ def _path(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
     return start + speed * found["from"], start + speed * found["to"], float(content["slider"]["length"])
 
 
-# ---- chance within a run -------------------------------------------------------------------------------
+# ---- chance within a run
+# -------------------------------------------------------------------------------
 
 def _widening(result: Result) -> float:
-    """By how much ten parts understate the chance of their mean, where the motion forgets as its slowest
-    mode does: as the program widens its own interval (host/analysis/level_history.cpp)."""
+    """By how much ten parts understate the chance of their mean, where the motion forgets as its
+    slowest mode does: as the program widens its own interval (host/analysis/level_history.cpp)."""
     found = result.analysis()
     frequencies = [f for f in found["natural_frequencies"] if f > 0]
     damping = found["modal_damping"]
@@ -305,8 +306,8 @@ class _Run:
                     zip(edges, edges[1:])))
 
     def series(self, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> tuple[float, Values]:
-        """The whole's value, and logarithms of the parts whose mean is the whole's logarithm. NaN: a part
-        without a value."""
+        """The whole's value, and logarithms of the parts whose mean is the whole's logarithm. NaN:
+        a part without a value."""
         whole = _finite(of(self.whole))
         parts = np.array([_finite(of(part)) for part in self.parts])
         if not (whole > 0) or not parts.size:
@@ -430,7 +431,8 @@ def _mark_family(bands: dict[str, dict[str, Any]]) -> None:
         bands[name]["differs"] = None if math.isnan(chance) else chance < MARK
 
 
-# ---- chance between runs --------------------------------------------------------------------------------
+# ---- chance between runs
+# --------------------------------------------------------------------------------
 
 def _test_of_sets(one: Values, other: Values, paired: bool) -> tuple[float, str]:
     if paired:
@@ -518,7 +520,8 @@ def _of_studies(a: Study, b: Study) -> tuple[pd.DataFrame, pd.DataFrame, str, li
     return _table(rows, "quantity"), _table({}, "band"), test, left
 
 
-# ---- the two sides -----------------------------------------------------------------------------------
+# ---- the two sides
+# -----------------------------------------------------------------------------------
 
 def _opened(source: Any) -> Any:
     """A result, a scene, a study, or a list of results."""
@@ -583,12 +586,12 @@ def compare(a: Source, b: Source) -> Comparison:
     - `a`, `b`: results of `ra2d.run` (or their files); lists of them, of several seeds; studies (or
       their folders); or scenes, whose answers are not known
 
-    Two runs are compared by ten equal parts of each: chance within these runs, of these faces. Other
-    faces change the answers by more; lists of runs with several seeds are compared run by run, which
-    holds for all faces. Runs of the same faces and the same way are compared in pairs.
+    Two runs are compared by ten equal parts of each: chance within these runs, of these faces.
+    Other faces change the answers by more; lists of runs with several seeds are compared run by
+    run, which holds for all faces. Runs of the same faces and the same way are compared in pairs.
 
-    >>> import ra2d
-    >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v, duration=0.05, tolerance=1e-6)
+    >>> import ra2d >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v,
+    duration=0.05, tolerance=1e-6)
     ...           for k in (1, 2, 3)] for v in (0.1, 0.4)]
     >>> found = ra2d.compare(*seeds)
     >>> bool(found.answers.differs["level"]), found.answers.difference["level"] > 3      # dB

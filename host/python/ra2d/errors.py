@@ -6,7 +6,8 @@ import re
 
 
 class Error(Exception):
-    """Any error of the program or of this package. The message says the problem, why, and the cure."""
+    """Any error of the program or of this package. The message says the problem, why, and the
+    cure."""
 
 
 class RequestError(Error, ValueError):

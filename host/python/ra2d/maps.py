@@ -37,8 +37,8 @@ def _edges(places: Array) -> tuple[float, float]:
 
 
 def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str = "m", middle: bool = False) -> Any:
-    """A map over (y, position), places in mm; with `bar` a colour bar of that name. `middle`: colours
-    are symmetric about 0."""
+    """A map over (y, position), places in mm; with `bar` a colour bar of that name. `middle`:
+    colours are symmetric about 0."""
     name, one = scale(unit, values.values)
     x, y = _edges(values.position.values), _edges(values.y.values)
     most = float(np.abs(values.values).max()) / one or 1.0
@@ -82,7 +82,8 @@ def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = 
     panels[1].set_xlabel("x on the slider [mm]")
 
 
-# ---- motion ----------------------------------------------------------------------------------------
+# ---- motion
+# ----------------------------------------------------------------------------------------
 
 def _block_at(result: Result, time: float) -> tuple[float, float, float, float]:
     """The slider on the resonator: x, y of its corner, its length and width [m]."""
@@ -108,7 +109,8 @@ def motion(panels: Any, result: Result, time: float) -> None:
     panels[-1].set_xlabel("x on the resonator [mm]")
 
 
-# ---- gap -------------------------------------------------------------------------------------------
+# ---- gap
+# -------------------------------------------------------------------------------------------
 
 def _under(result: Result, along: Array, rows: slice) -> Array:
     """Heights of the resonator's face under places of rows, straight between its nodes [m]."""
@@ -120,7 +122,8 @@ def _under(result: Result, along: Array, rows: slice) -> Array:
 
 
 def _distance(result: Result) -> float:
-    """Distance of the mean planes [m]: the scene's, or that at which the first nodes touch at t = 0."""
+    """Distance of the mean planes [m]: the scene's, or that at which the first nodes touch at t =
+    0."""
     gap = result.scene["gap"]
     if isinstance(gap, int | float):
         return float(gap)
@@ -130,8 +133,9 @@ def _distance(result: Result) -> float:
 
 
 def gap(result: Result, time: float, nodes: slice = slice(None), rows: slice = slice(None)) -> xr.DataArray:
-    """The gap [m] between the faces at the sample nearest to a time [s], at nodes of the slider along
-    x and y, over their places (y, position) on the resonator. Negative where they are in contact."""
+    """The gap [m] between the faces at the sample nearest to a time [s], at nodes of the slider
+    along x and y, over their places (y, position) on the resonator. Negative where they are in
+    contact."""
     modes, block = result.modes("resonator"), result.modes("slider")
     if "displacement" not in modes:
         raise RequestError(f"{str(result.path)!r} has no motion of the modes, of which the gap is made: its scene has "

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pages to keep or to send (docs/report.md): complete in themselves, for a telephone and in the dark, too."""
+"""Pages to keep or to send (docs/report.md): complete in themselves, for a telephone and in the
+dark, too."""
 from __future__ import annotations
 
 import dataclasses
@@ -46,7 +47,8 @@ MEANS = {"lv": ("level Lv, dB re 1 nm/s", 1), "v_rms": ("velocity, rms, mm/s", 1
          "energy.per_shock": ("energy that a shock gives, nJ", 1e-9)}
 
 
-# ---- figures of a result ---------------------------------------------------------------------------
+# ---- figures of a result
+# ---------------------------------------------------------------------------
 
 def _level(found: dict[str, Any]) -> Markup:
     if found["v_rms"] is None:
@@ -145,7 +147,8 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     return doubts
 
 
-# ---- sounds -------------------------------------------------------------------------------------------
+# ---- sounds
+# -------------------------------------------------------------------------------------------
 
 def _rate_for(highest: float) -> int:
     """The lowest rate of a sound that carries all that the samples have."""
@@ -237,7 +240,8 @@ def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
             for result, (cuts, why) in zip(results, chosen)]
 
 
-# ---- results -------------------------------------------------------------------------------------------
+# ---- results
+# -------------------------------------------------------------------------------------------
 
 def _requested(result: Result) -> Facts:
     """Facts of the scene. There are none of another version's scene, which has other keys."""
@@ -257,7 +261,8 @@ def _profile(scene: dict[str, Any], body: str) -> str | None:
 
 
 def _scene_text(result: Result) -> str:
-    """The scene to copy. Profiles have the hash of their heights: by it a reader knows the files."""
+    """The scene to copy. Profiles have the hash of their heights: by it a reader knows the
+    files."""
     scene = result.scene.content()
     lines = [f"# {printable(name)}: put it beside this scene. surface/{body}/height in the result: xxh3_128 "
              f"{result.height_hash(body)}\n" for body in BODIES if (name := _profile(scene, body)) is not None]
@@ -306,7 +311,8 @@ def _means(results: Sequence[Result]) -> list[list[Markup]]:
 
 
 def results_text(results: Sequence[Result], command: str = "") -> str:
-    """The page of one result, or of several side by side. `command`: the line that made it, for its end."""
+    """The page of one result, or of several side by side. `command`: the line that made it, for its
+    end."""
     if not results:
         raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
     with warnings.catch_warnings():
@@ -325,7 +331,8 @@ def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "")
     return path
 
 
-# ---- studies -------------------------------------------------------------------------------------------
+# ---- studies
+# -------------------------------------------------------------------------------------------
 
 _AMPLITUDES = {"v_rms": Markup("v<sub>rms</sub>"), "lp": Markup("p<sub>rms</sub>"),
                "lpa": Markup("p<sub>rms</sub>, A-weighted,"), "lw": Markup("\u221aW"), "lwa": Markup("\u221aW, A-weighted,")}
@@ -410,7 +417,8 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
 
 
 def _failures(study: Study) -> list[str]:
-    """Messages of the failed runs, the most frequent first. Those that differ only in numbers are one."""
+    """Messages of the failed runs, the most frequent first. Those that differ only in numbers are
+    one."""
     said: dict[str, list[str]] = {}
     for message, status in zip(study.message.values.ravel(), study.status.values.ravel()):
         if status >= 2:
@@ -447,7 +455,8 @@ def of_study(study: Study, path: pathlib.Path, command: str = "") -> pathlib.Pat
     return path
 
 
-# ---- the page --------------------------------------------------------------------------------------------
+# ---- the page
+# --------------------------------------------------------------------------------------------
 
 def _require_page(path: pathlib.Path) -> None:
     """Nothing but a page is replaced. Asked before the work."""

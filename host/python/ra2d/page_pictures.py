@@ -51,7 +51,8 @@ def _svg(figure: Picture, sheet: page_svg.Sheet, about: str) -> Markup:
         return page_svg.drawn(figure, sheet, about)
 
 
-# ---- results ---------------------------------------------------------------------------------------
+# ---- results
+# ---------------------------------------------------------------------------------------
 
 def _spectrum(result: Result) -> tuple[Picture, str, Markup]:
     spectrum, tone = result.spectrum(), result.analysis()["mesh_tone"]
@@ -162,7 +163,8 @@ def of_result(result: Result, sheet: page_svg.Sheet) -> list[Figure]:
     return [Figure(_svg(figure, sheet, about), caption) for figure, about, caption in _drawn(result)]
 
 
-# ---- studies ---------------------------------------------------------------------------------------
+# ---- studies
+# ---------------------------------------------------------------------------------------
 
 def _key(axes: Any, sheet: page_svg.Sheet) -> Markup:
     """The legend in words: each name with its colour or mark."""

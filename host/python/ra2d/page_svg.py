@@ -185,7 +185,8 @@ class _Renderer(RendererBase):  # type: ignore[misc]
         return style[1:]
 
     def _clip(self, gc: Any, places: npt.NDArray[np.float64]) -> str:
-        """The name of the frame that cuts what is drawn; empty where it reaches nowhere beyond it."""
+        """The name of the frame that cuts what is drawn; empty where it reaches nowhere beyond
+        it."""
         box = gc.get_clip_rectangle()
         if box is None or not len(places):
             return ""

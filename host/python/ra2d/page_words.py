@@ -20,11 +20,12 @@ _TEXTS = re.compile(
 _IN_COMMENT = re.compile(r"""(["'`])(/(?:[^"'`\n]*/)?)[^"'`/\n]+\1""")
 
 
-# ---- texts from outside ----------------------------------------------------------------------------
+# ---- texts from outside
+# ----------------------------------------------------------------------------
 
 def printable(text: str, lines: bool = False) -> str:
-    r"""A text in which characters that turn its direction or hide in it are spelled out; `lines`: ends of
-    lines stay.
+    r"""A text in which characters that turn its direction or hide in it are spelled out; `lines`:
+    ends of lines stay.
 
     >>> printable("a\u202eb\n"), printable("a\n", lines=True), printable("\udcff")
     ('a\\u202Eb\\u000A', 'a\n', '\\xFF')
@@ -60,7 +61,8 @@ def without_folders(toml: str) -> str:
     return _TEXTS.sub(bare, toml)
 
 
-# ---- numbers -----------------------------------------------------------------------------------------
+# ---- numbers
+# -----------------------------------------------------------------------------------------
 
 def number(value: float | None, digits: int = 3) -> Markup:
     """A number as people write it; powers of ten where it is small or large.
@@ -109,7 +111,8 @@ def _length(key: str, value: Any) -> Markup:
     return with_unit(key, value, 4)
 
 
-# ---- what was requested ------------------------------------------------------------------------------------
+# ---- what was requested
+# ------------------------------------------------------------------------------------
 
 def _random_face(face: Mapping[str, Any]) -> Markup:
     text = html("random, {} correlation, Rq {}", face.get("correlation", "gaussian"), _length("rq", face["rq"]))

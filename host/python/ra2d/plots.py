@@ -286,10 +286,12 @@ def _energy(figure: Any, result: Result, alone: bool) -> None:
         _draw_energies(panels[1], energy, STORES, "Energy that is there")
 
 
-# ---- frequencies -----------------------------------------------------------------------------------
+# ---- frequencies
+# -----------------------------------------------------------------------------------
 
 def set_decades(axes: Any, values: Array, most: float = 9) -> None:
-    """Limits of a density's axis: what lies more decades below its peak says nothing of the noise."""
+    """Limits of a density's axis: what lies more decades below its peak says nothing of the
+    noise."""
     axes.set_yscale("log")
     positive = values[np.isfinite(values) & (values > 0)]
     if positive.size:
@@ -455,14 +457,16 @@ def _spectrogram(figure: Any, result: Result, _: bool) -> None:
         spectrogram.draw(figure, axes, result)
 
 
-# ---- shocks ----------------------------------------------------------------------------------------
+# ---- shocks
+# ----------------------------------------------------------------------------------------
 
 KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("impulse", "N s", "impulse"),
          ("interval", "s", "time from start to start")]
 
 
 def draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, what: str) -> None:
-    """Shares of the shocks in bins of equal ratio, with the median and what nine of ten do not exceed."""
+    """Shares of the shocks in bins of equal ratio, with the median and what nine of ten do not
+    exceed."""
     found, spread = shocks["histograms"][key], shocks[key]
     edges, counts = np.array(found["edges"], dtype=float), np.array(found["counts"], dtype=float)
     if not counts.size:
@@ -502,7 +506,8 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
                              + (", bins of equal ratio, ten to a decade" if alone else ""))
 
 
-# ---- pages ------------------------------------------------------------------------------------------
+# ---- pages
+# ------------------------------------------------------------------------------------------
 
 PANELS: dict[str, tuple[Callable[[Any, Any, bool], None], float]] = {
     "profiles": (_profiles, 7.5), "force": (_force, 6), "displacement": (_displacement, 6), "spectrum": (_spectrum, 5),
@@ -596,8 +601,8 @@ def views() -> list[str]:
 def result(of: Result, what: str = "overview", start: float | None = None, stop: float | None = None,
            shock: int | None = None, time: float | None = None) -> Picture:
     """The picture of a result: "overview", or one panel. `start`, `stop` [s]: of a stretch alone;
-    `shock`: which one is shown as "shock", the strongest without it; `time` [s] of "motion", that of
-    the largest contact force without it."""
+    `shock`: which one is shown as "shock", the strongest without it; `time` [s] of "motion", that
+    of the largest contact force without it."""
     what = SAME.get(what, what)
     if what not in views():
         raise RequestError(f"there is no picture {what!r}. There are: {', '.join(views())}")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The picture of a measured profile and its roughness. The program hands over the numbers
-(host/surface/profile_series.hpp); null is NaN, and long series come as the extremes of neighbours."""
+(host/surface/profile_series.hpp); null is NaN, and long series come as the extremes of
+neighbours."""
 from __future__ import annotations
 
 import math
@@ -30,7 +31,8 @@ def _number(value: float | None) -> float:
 
 def _draw(axes: Any, drawn: Data, colour: str, x_unit: float, y_unit: float, line: Any = "-", label: str | None = None,
           width: float = 1.0, fill: float = 0.45, mean: bool = True) -> None:
-    """A line; of values that were put together, the band from their lowest to their highest, and their mean."""
+    """A line; of values that were put together, the band from their lowest to their highest, and
+    their mean."""
     x, middle = _numbers(drawn["x"]) / x_unit, _numbers(drawn["mean"]) / y_unit
     if drawn["together"] > 1:
         low, high = _numbers(drawn["low"]) / y_unit, _numbers(drawn["high"]) / y_unit

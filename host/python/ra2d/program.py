@@ -72,7 +72,8 @@ def _require_version(path: pathlib.Path) -> None:
 
 
 def _messages(text: str) -> list[str]:
-    """The single messages of stderr. Each begins behind the program's name; lines without it go on."""
+    """The single messages of stderr. Each begins behind the program's name; lines without it go
+    on."""
     parts = re.split(r"^ra2d: ", text, flags=re.MULTILINE)
     return [part.strip() for part in parts if part.strip()]
 
@@ -171,14 +172,16 @@ def _watch(screen: int, child: subprocess.Popen[bytes], show: Callable[[str], No
 
 
 def _pieces(line: bytes) -> list[str]:
-    """The texts that stood in a line of the terminal one after another; each replaced the one before."""
+    """The texts that stood in a line of the terminal one after another; each replaced the one
+    before."""
     parts = re.split(rb"\r|" + re.escape(_CLEARS), line.rstrip(b"\r"))
     return ["", *(part.decode(errors="replace").strip() for part in parts)]
 
 
 @contextlib.contextmanager
 def scratch() -> Iterator[pathlib.Path]:
-    """A folder for files that only one call needs. Errors name them without it: it is gone by then."""
+    """A folder for files that only one call needs. Errors name them without it: it is gone by
+    then."""
     with tempfile.TemporaryDirectory(prefix="ra2d-") as folder:
         try:
             yield pathlib.Path(folder)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Other faces of the same roughness: seeds of random ones; of measured ones other stretches of the trace, the
-mirror image, and surrogates of equal spectrum."""
+"""Other faces of the same roughness: seeds of random ones; of measured ones other stretches of the
+trace, the mirror image, and surrogates of equal spectrum."""
 from __future__ import annotations
 
 import dataclasses
@@ -30,8 +30,8 @@ class Face:
 
     - `kind`: "seed 1002", "as measured", "offset 20 mm", "mirror image", "surrogate 1"
     - `key`, `value`: the key of the scene that makes it, and its value
-    - `distribution_error`: of a surrogate: how far its sorted heights are from those of the measured
-      face, as a share of their root mean square; 0 of other faces
+    - `distribution_error`: of a surrogate: how far its sorted heights are from those of the
+      measured face, as a share of their root mean square; 0 of other faces
     """
 
     kind: str
@@ -41,8 +41,8 @@ class Face:
 
 
 def surrogate(heights: Heights, seed: int) -> tuple[Heights, float]:
-    """A profile with the spectrum of another one and other phases, and how far its sorted heights are
-    from the other's (root mean square, as a share of that of the heights).
+    """A profile with the spectrum of another one and other phases, and how far its sorted heights
+    are from the other's (root mean square, as a share of that of the heights).
 
     Iterated amplitude-adjusted Fourier transform (Schreiber and Schmitz 1996): the sorted heights
     and the amplitudes are imposed in turn, the amplitudes last. So the spectrum is equal to
@@ -126,7 +126,8 @@ def _whole_trace(face: Surface, spacing: float) -> Heights | None:
 
 
 def _moved(trace: Heights, by: int, nodes: int) -> Heights:
-    """The stretch of the trace that begins `by` nodes further; mirrored where the trace has ended."""
+    """The stretch of the trace that begins `by` nodes further; mirrored where the trace has
+    ended."""
     at = np.abs(np.arange(nodes) + by)
     last = trace.size - 1
     folded = np.where(at <= last, at, np.maximum(2 * last - at, 0))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Results of a run: read lazily from their HDF5 file; what is computed from it, the program computes."""
+"""Results of a run: read lazily from their HDF5 file; what is computed from it, the program
+computes."""
 from __future__ import annotations
 
 import copy
@@ -71,7 +72,8 @@ def _require_room(times: int, places: int) -> None:
 
 
 def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDArray[np.float64]:
-    """A table with a row for each probe, also where there is none, or nothing of them; None is NaN."""
+    """A table with a row for each probe, also where there is none, or nothing of them; None is
+    NaN."""
     return np.array(values, dtype=float).reshape(rows, columns)
 
 
@@ -111,7 +113,8 @@ class Result:
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
         self._hears: tuple[str, ...] = ()  # options of with_microphones()
 
-    # ---- numbers ----------------------------------------------------------------------------------
+    # ---- numbers
+    # ----------------------------------------------------------------------------------
 
     def analysis(self, *, start: float | None = None, stop: float | None = None, resolution: float | None = None,
                  segment: int | None = None, a_weighting: bool = False, at: Sequence[Sequence[float]] = (),
@@ -140,8 +143,8 @@ class Result:
 
     def with_microphones(self, at: Sequence[Sequence[float]], *, temperature: float | None = None,
                          pressure: float | None = None) -> Result:
-        """This result with microphones at these places, each (x, y, z) [m], instead of its scene's: its
-        analysis, plots ("bands", "level") and page have the pressure there (docs/sound.md).
+        """This result with microphones at these places, each (x, y, z) [m], instead of its scene's:
+        its analysis, plots ("bands", "level") and page have the pressure there (docs/sound.md).
         `temperature` [degrees Celsius] and `pressure` [Pa] are those of the air.
 
         >>> heard = getfixture("result").with_microphones([(0.15, 0.1, 0.5)])
@@ -195,8 +198,8 @@ class Result:
         """One-sided power spectral densities over `frequency` [Hz]. Options: those of `analysis`.
 
         - `density` [(m/s)^2/Hz]: of the velocity, mean over the resonator
-        - `density_probe` (position, frequency), `density_slider_probe` (slider_position, frequency):
-          of the probes' velocity
+        - `density_probe` (position, frequency), `density_slider_probe` (slider_position,
+          frequency): of the probes' velocity
         - `density_force` [N^2/Hz]: of the total contact force
 
         `attrs`: `resolution` [Hz], `segments`, and `low`, `high`: a density times these holds the
@@ -283,12 +286,14 @@ class Result:
         self._file.require_unchanged()
         program.call("check", self.path)
 
-    # ---- series -----------------------------------------------------------------------------------
+    # ---- series
+    # -----------------------------------------------------------------------------------
 
     @property
     def probes(self) -> xr.Dataset:
-        """`displacement` [m] and `velocity` [m/s] of the resonator, dimensions (time, position). Of an
-        areal scene (time, probe): probes have numbers from 1 and the coordinates `position` and `y`.
+        """`displacement` [m] and `velocity` [m/s] of the resonator, dimensions (time, position). Of
+        an areal scene (time, probe): probes have numbers from 1 and the coordinates `position` and
+        `y`.
 
         >>> getfixture("result").probes.velocity.sel(position=0.15).dims
         ('time',)
@@ -297,7 +302,8 @@ class Result:
 
     @property
     def slider_probes(self) -> xr.Dataset:
-        """Displacement and velocity at the slider's probes; `position` [m] counts from its left end.
+        """Displacement and velocity at the slider's probes; `position` [m] counts from its left
+        end.
 
         >>> getfixture("result").slider_probes.sizes["position"]
         0
@@ -401,7 +407,8 @@ class Result:
         with self._file.opened() as file:
             return str(file[f"surface/{_one_of('body', body, BODIES)}/height"].attrs["xxh3_128"])
 
-    # ---- what it was --------------------------------------------------------------------------------
+    # ---- what it was
+    # --------------------------------------------------------------------------------
 
     @property
     def scene(self) -> Scene:
@@ -425,7 +432,8 @@ class Result:
             raise FileError(f"there is no window {number} of this run, {str(path)!r}: 'ra2d run --zoom' makes it")
         return Result(path)
 
-    # ---- looking and listening ----------------------------------------------------------------------
+    # ---- looking and listening
+    # ----------------------------------------------------------------------
 
     def plot(self, what: str = "overview", *, start: float | None = None, stop: float | None = None,
              shock: int | None = None, time: float | None = None) -> Figure:
@@ -434,7 +442,8 @@ class Result:
         "energy", "bands", "spectrogram" (or "waterfall"), "shock", "motion".
 
         - `start`, `stop` [s]: of this stretch of the run alone
-        - `shock`: which one is shown as "shock", by its number in `shocks`; the strongest without it
+        - `shock`: which one is shown as "shock", by its number in `shocks`; the strongest without
+          it
         - `time` [s]: of "motion"; that of the largest contact force without it
 
         >>> getfixture("result").plot("bands").axes[0].get_xlabel()
@@ -451,9 +460,9 @@ class Result:
                stop: float | None = None, at: Sequence[Sequence[float]] = ()) -> Sound:
         """The velocity of a probe (from 1) as sound, which a notebook plays; with `at` the sound
         pressure at one microphone, or two for stereo, each (x, y, z) [m], in the air of
-        `with_microphones` or the scene. `slow`: times longer and
-        lower; `full_scale` [m/s; Pa]: what the value 1 stands for, or `normalize`: the peak; `rate`:
-        samples a second of the sound; `start`, `stop` [s] of the run.
+        `with_microphones` or the scene. `slow`: times longer and lower; `full_scale` [m/s; Pa]:
+        what the value 1 stands for, or `normalize`: the peak; `rate`: samples a second of the
+        sound; `start`, `stop` [s] of the run.
 
         >>> sound = getfixture("result").listen(slow=2)
         >>> sound.rate, sound.samples.ndim
@@ -558,10 +567,8 @@ def load(path: str | os.PathLike[str]) -> Result:
 def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> pathlib.Path:
     """Writes one page of several results side by side, with their means. Returns where it is.
 
-    >>> import ra2d
-    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
-    >>> ra2d.report([slow, fast], "speeds.html").name
-    'speeds.html'
+    >>> import ra2d >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6)
+    for v in (0.1, 0.2)] >>> ra2d.report([slow, fast], "speeds.html").name 'speeds.html'
     """
     from . import page
 

@@ -17,7 +17,8 @@ LONGEST_NAME = 120  # bytes
 
 
 def output_name(what: Scene) -> str:
-    """A name that tells the changes, so that runs of a notebook keep apart: dang2012-speed=0.2.h5."""
+    """A name that tells the changes, so that runs of a notebook keep apart:
+    dang2012-speed=0.2.h5."""
     words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
     if len(name.encode(errors="replace")) > LONGEST_NAME:

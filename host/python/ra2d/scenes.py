@@ -64,7 +64,8 @@ def full_key(name: str) -> str:
 
 
 def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
-    """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes it."""
+    """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes
+    it."""
     given = {full_key(name): value for name, value in {**(changes or {}), **short}.items()}
     if "time.tolerance" in given:
         given.setdefault("time.scheme", "adaptive")
@@ -165,7 +166,8 @@ class Scene:
         return toml.document(self._source)
 
     def content(self) -> dict[str, Any]:
-        """The scene as nested dicts, with the changes. Values as they were given; defaults are not in it.
+        """The scene as nested dicts, with the changes. Values as they were given; defaults are not
+        in it.
 
         >>> import ra2d
         >>> ra2d.scene("dang2012").content()["resonator"]["thickness"]     # m
@@ -234,7 +236,8 @@ class Scene:
         """What the program would model, and why: modes, limits of stability, cost (`ra2d plan`).
 
         >>> import ra2d
-        >>> print(ra2d.scene("dang2012").plan().split("stability")[0].splitlines()[-1])    # doctest: +ELLIPSIS
+        >>> print(ra2d.scene("dang2012").plan().split("stability")[0].splitlines()[-1])    #
+        doctest: +ELLIPSIS
         scheme     backward-euler ...
         """
         with program.scratch() as folder:
@@ -269,7 +272,8 @@ def _named(name: str) -> pathlib.Path:
 
 
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:
-    """A dict's relative paths of profiles count from the current folder. Wrong types are left to the program."""
+    """A dict's relative paths of profiles count from the current folder. Wrong types are left to
+    the program."""
     whole = copy.deepcopy(dict(content))
     toml.document(whole)  # refuses what is no scene
     for body in ("resonator", "slider"):
@@ -283,10 +287,8 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     """A scene by the name of one that comes with ra2d, from a TOML file, or from a dict of
     sections with values in SI units.
 
-    >>> import ra2d
-    >>> ra2d.scene("dang2012")
-    <ra2d.Scene dang2012>
-    >>> ball = {**ra2d.scene("drop").content(), "scene": {"name": "ball", "duration": 1e-3, "speed": 0.0,
+    >>> import ra2d >>> ra2d.scene("dang2012") <ra2d.Scene dang2012> >>> ball =
+    {**ra2d.scene("drop").content(), "scene": {"name": "ball", "duration": 1e-3, "speed": 0.0,
     ...                                                   "start": 0.1, "spacing": 8e-6}}
     >>> ra2d.scene(ball)["duration"]                  # s
     0.001

@@ -97,8 +97,8 @@ def _heads(result: Result, number: int, samples: int) -> list[tuple[str, float, 
 
 
 def picture(result: Result, number: int | None, head: list[tuple[str, float, str, str]]) -> Picture:
-    """The picture of one shock: force, displacement and velocity of the probes around it. `head`: lines at
-    the top."""
+    """The picture of one shock: force, displacement and velocity of the probes around it. `head`:
+    lines at the top."""
     shocks = result.shocks
     if not len(shocks) or result.samples < 2:
         if number is not None and len(shocks) == 0:

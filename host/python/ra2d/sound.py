@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sound: the pressure at microphones, or the velocity of a probe, resampled, scaled, and written as WAV or FLAC
-(docs/sound.md)."""
+"""Sound: the pressure at microphones, or the velocity of a probe, resampled, scaled, and written as
+WAV or FLAC (docs/sound.md)."""
 from __future__ import annotations
 
 import base64
@@ -45,7 +45,8 @@ _UNITS = {"velocity": ("m/s", "m_per_s"), PRESSURE: ("Pa", "pa")}  # and the nam
 _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
 
 
-# ---- resampling ------------------------------------------------------------------------------------
+# ---- resampling
+# ------------------------------------------------------------------------------------
 
 @functools.lru_cache(maxsize=4)
 def _filter(up: int, ratio: Fraction) -> Array:
@@ -61,8 +62,8 @@ def _filter(up: int, ratio: Fraction) -> Array:
 
 
 def _between_samples(finer: Array, at: Array) -> Array:
-    """Values at places that are counted in samples, by splines of degree 7. Of samples at eight times
-    the rate they are off by 1e-9. In blocks: far samples do not matter."""
+    """Values at places that are counted in samples, by splines of degree 7. Of samples at eight
+    times the rate they are off by 1e-9. In blocks: far samples do not matter."""
     from scipy.interpolate import make_interp_spline
 
     found = np.empty(at.size)
@@ -114,7 +115,8 @@ def round_full_scale(peak: float) -> float:
     return next((step for step in steps if peak <= step < math.inf), peak)
 
 
-# ---- the sound ---------------------------------------------------------------------------------------
+# ---- the sound
+# ---------------------------------------------------------------------------------------
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Sound:
@@ -135,8 +137,8 @@ class Sound:
     doubts: tuple[str, ...] = ()
 
     def save(self, path: str | os.PathLike[str], bits: Literal[16, 24, 32, "float"] = 24) -> pathlib.Path:
-        """Writes WAV or FLAC, by the ending; FLAC has 24 bits. A WAV of 16, 24 or 32 bits clips what
-        is beyond full scale, one of "float" holds it.
+        """Writes WAV or FLAC, by the ending; FLAC has 24 bits. A WAV of 16, 24 or 32 bits clips
+        what is beyond full scale, one of "float" holds it.
 
         >>> getfixture("result").listen().save("cube.flac").name
         'cube.flac'
@@ -256,7 +258,8 @@ def encoding_of(path: pathlib.Path, bits: int | str = 24) -> Encoding:
     return found  # type: ignore[return-value]
 
 
-# ---- what is heard -----------------------------------------------------------------------------------
+# ---- what is heard
+# -----------------------------------------------------------------------------------
 
 def _at(about: dict[str, Any]) -> str:
     """Where a probe is [m]."""
@@ -377,8 +380,8 @@ def _origin(result: Result) -> dict[str, Any]:
 
 def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, slow: float = 1, rate: int = 48000,
                 full_scale: float | None = None, normalize: bool = False) -> Sound:
-    """The pressure [Pa] at one microphone or two as sound: a row of samples for each, at the result's
-    rate. `heard_at` says where, when and in what air."""
+    """The pressure [Pa] at one microphone or two as sound: a row of samples for each, at the
+    result's rate. `heard_at` says where, when and in what air."""
     source = result.rate
     _require_room(pressures.size, source / slow, rate, result)
     heard = np.stack([resample(row, source / slow, rate) for row in pressures], axis=-1)

@@ -33,11 +33,12 @@ def window_length(samples: int) -> int:
 
 
 def densities(result: Result) -> tuple[Array, Array, Array, int]:
-    """Middles of the windows [s], frequencies [Hz], one-sided power spectral density of the velocity,
-    mean over the resonator [(m/s)^2/Hz], over (frequency, time), and the samples of a window. Hann windows
-    a quarter apart; of long runs several neighbours are put together.
+    """Middles of the windows [s], frequencies [Hz], one-sided power spectral density of the
+    velocity, mean over the resonator [(m/s)^2/Hz], over (frequency, time), and the samples of a
+    window. Hann windows a quarter apart; of long runs several neighbours are put together.
 
-    S(f) = sum over the modes of <psi^2> times the periodogram of the mode's velocity, as in docs/analysis.md.
+    S(f) = sum over the modes of <psi^2> times the periodogram of the mode's velocity, as in
+    docs/analysis.md.
     """
     modes = result.modes("resonator")
     samples, rate = modes.sizes["time"], result.rate

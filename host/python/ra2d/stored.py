@@ -25,7 +25,8 @@ _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeErro
 
 
 class _Dataset(BackendArray):
-    """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are read."""
+    """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are
+    read."""
 
     def __init__(self, file: File, name: str, dataset: Any) -> None:
         self.file, self.name = file, name
@@ -45,7 +46,8 @@ def _units(dataset: Any) -> dict[str, str]:
 
 
 class File:
-    """A file of ra2d as it is now. Once it is replaced, reading is an error: no numbers of another run."""
+    """A file of ra2d as it is now. Once it is replaced, reading is an error: no numbers of another
+    run."""
 
     def __init__(self, path: pathlib.Path) -> None:
         self.path = path
@@ -79,8 +81,8 @@ class File:
                             "of it is damaged") from fault
 
     def read(self, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
-        """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left out.
-        Datasets with the name of a dimension are its coordinates."""
+        """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left
+        out. Datasets with the name of a dimension are its coordinates."""
         variables = {}
         with self.opened() as file:
             for name, of in dims.items():

@@ -44,8 +44,8 @@ def half_interval(values: Values) -> float:
 
 
 def mean_differs(differences: Values) -> float:
-    """Probability of a mean so far from 0 by chance, by Student's t of paired differences. NaN of fewer
-    than two.
+    """Probability of a mean so far from 0 by chance, by Student's t of paired differences. NaN of
+    fewer than two.
 
     >>> mean_differs(np.array([1.0, 1.1, 0.9])) < 0.01
     True
@@ -60,8 +60,8 @@ def mean_differs(differences: Values) -> float:
 
 
 def means_differ(a: Values, b: Values, widening: tuple[float, float] = (1.0, 1.0)) -> float:
-    """Probability of means so far apart by chance, by Welch's t. `widening`: by how much the scatter of
-    either side understates the error of its mean. NaN of fewer than two on a side.
+    """Probability of means so far apart by chance, by Welch's t. `widening`: by how much the
+    scatter of either side understates the error of its mean. NaN of fewer than two on a side.
 
     >>> means_differ(np.array([1.0, 1.1, 0.9]), np.array([2.0, 2.1, 1.8])) < 0.01
     True
@@ -77,8 +77,8 @@ def means_differ(a: Values, b: Values, widening: tuple[float, float] = (1.0, 1.0
 
 
 def for_all(chances: Mapping[str, float]) -> dict[str, float]:
-    """Chances of a family, each raised so that any of them falls below 0.05 by chance in at most one
-    family of twenty (Holm 1979). NaN stays.
+    """Chances of a family, each raised so that any of them falls below 0.05 by chance in at most
+    one family of twenty (Holm 1979). NaN stays.
 
     >>> for_all({"a": 0.01, "b": 0.04, "c": math.nan})
     {'a': 0.02, 'b': 0.04, 'c': nan}

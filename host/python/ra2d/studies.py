@@ -56,7 +56,8 @@ class Law:
         return self.exponents[name]
 
     def level(self, **point: float) -> float:
-        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI units."""
+        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI
+        units."""
         return self.constant + sum(20 * e * math.log10(point[name]) for name, e in self.exponents.items())
 
     @property
@@ -83,8 +84,9 @@ class Law:
 class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     """The table of a study: an xarray Dataset with a dimension for each varied key, then `seed`.
     Variables: `level` [dB re 1 nm/s], `v_rms` [m/s], `shock_rate` [1/s], `shock_duration_median`
-    [s], `peak_force_median` [N], `contact_share`, `energy_closure`, `wall_seconds` [s], `status`
-    (0 done), `message`; with `keep_sound` `lp`, `lpa`, `lw`, `lwa` [dB]. Runs that are missing or failed are NaN.
+    [s], `peak_force_median` [N], `contact_share`, `energy_closure`, `wall_seconds` [s], `status` (0
+    done), `message`; with `keep_sound` `lp`, `lpa`, `lw`, `lwa` [dB]. Runs that are missing or
+    failed are NaN.
 
     A dimension that has the name of a method, such as `load`, is `study["load"]`.
 
@@ -265,8 +267,8 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     - `seeds`: runs of each combination with other random surfaces, or a list of their numbers
     - `folder`: where it is kept; without it in the current folder under scene and dimensions. The
       study's file stands beside it, as FOLDER.toml
-    - `keep_files`: keep each run's result in FOLDER/runs; `keep_sound`: the levels of its pressure at
-      the scene's microphones and of its sound power; `retry_failed`: run those again
+    - `keep_files`: keep each run's result in FOLDER/runs; `keep_sound`: the levels of its pressure
+      at the scene's microphones and of its sound power; `retry_failed`: run those again
     - `max_wall` [s, or "H:M:S"]: wall time after which OutOfTime is raised
 
     Failed runs are told in a Notice, and are NaN.

@@ -42,7 +42,8 @@ def _axis_name(name: str, unit: str) -> str:
 
 
 def _colours(count: int) -> list[Any]:
-    """From dark to light in one scale, so that an order can be seen; the lightest yellow is left out."""
+    """From dark to light in one scale, so that an order can be seen; the lightest yellow is left
+    out."""
     return [matplotlib.colormaps["plasma"](at) for at in np.linspace(0, 0.82, count)]
 
 

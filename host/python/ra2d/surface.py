@@ -28,7 +28,8 @@ MEASURED = ("x_unit", "z_unit", "spacing", "decimal", "row", "column", "fill", "
 
 
 class Surface(dict[str, Any]):
-    """The words of a scene for a face. It is a dict, for `{"slider.surface": face}` or a scene's dict.
+    """The words of a scene for a face. It is a dict, for `{"slider.surface": face}` or a scene's
+    dict.
 
     >>> gaussian(rq=8e-6, rsm=1.55e-3, seed=7)
     {'kind': 'gaussian', 'rq': 8e-06, 'rsm': 0.00155, 'seed': 7}

@@ -47,7 +47,8 @@ def _text(given: str) -> str:
 
 
 def _number(given: float) -> str:
-    """As Python writes it: it always has a point or an exponent, and comes back to the same bits."""
+    """As Python writes it: it always has a point or an exponent, and comes back to the same
+    bits."""
     return repr(float(given))
 
 

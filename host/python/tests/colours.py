@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far two colours are apart, to all eyes: in CIELAB (CIE 1976, D65), as they are and as they are
-seen without one kind of cones: by the matrices of Machado, Oliveira and Fernandes (2009), "A
+"""How far two colours are apart, to all eyes: in CIELAB (CIE 1976, D65), as they are and as they
+are seen without one kind of cones: by the matrices of Machado, Oliveira and Fernandes (2009), "A
 physiologically-based model for simulation of color vision deficiency", table of severity 1, for
 linear sRGB. 2.3 is just noticed."""
 SEEN = {

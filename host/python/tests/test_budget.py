@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The error budget: chance is Student's interval over realisations, shifts are differences of the program's levels."""
+"""The error budget: chance is Student's interval over realisations, shifts are differences of the
+program's levels."""
 import csv
 import json
 import math
@@ -20,7 +21,8 @@ def budget(base, folder):
 
 @pytest.fixture(scope="module")
 def measured(base, folder):
-    """A slider with a measured face whose trace is long enough for one other stretch; its form is taken off."""
+    """A slider with a measured face whose trace is long enough for one other stretch; its form is
+    taken off."""
     x = np.arange(0, 0.0455, 2e-6)
     random = np.random.default_rng(5)
     z = sum(3e-6 / k * np.sin(2 * np.pi * k * x / 2.1e-3 + random.uniform(0, 6)) for k in range(1, 9)) + 1e-3 * x
@@ -55,7 +57,8 @@ def test_shifts_are_paired_and_the_whole_is_their_sum_of_squares(budget):
 
 
 def test_a_stiffer_contact_makes_shorter_shocks(budget):
-    """Twice the stiffness: half a period of a mass on it is 1/sqrt(2) as long, -35 % in the logarithm."""
+    """Twice the stiffness: half a period of a mass on it is 1/sqrt(2) as long, -35 % in the
+    logarithm."""
     assert -60 < budget.table.shock_duration["stiffness"] < -20
     assert budget.dominant["shock_duration"] in budget.table.index
     assert "mostly" in repr(budget) and "stiffness" in budget._repr_html_()
@@ -73,7 +76,8 @@ def test_text_json_and_csv_say_the_same(budget, folder):
 
 
 def test_the_other_step_is_twice_where_it_is_stable():
-    """A scheme of first order errs by h c: from h to 2 h it moves by its whole error. Near the limit: half."""
+    """A scheme of first order errs by h c: from h to 2 h it moves by its whole error. Near the
+    limit: half."""
     plain = ra2d.scene("dang2012")
     assert budgets._other_step(plain, 1e-8) == ("twice", {"time.step": 2e-8})
     near = plain.change(scheme="explicit-euler", step=1e-9)
@@ -83,7 +87,8 @@ def test_the_other_step_is_twice_where_it_is_stable():
 
 
 def test_sources_are_seen_at_twice_the_step(folder):
-    """Runs with fixed steps: each source against the runs at twice the step, the step against the scene's own."""
+    """Runs with fixed steps: each source against the runs at twice the step, the step against the
+    scene's own."""
     fixed = ra2d.scene("dang2012").change(scheme="backward-euler", step=1e-7, duration=0.005, rate=1e4)
     found = ra2d.uncertainty(fixed, seeds=3, folder=folder / "fixed", show=False)
     assert found.table["changed to"].to_dict() == {"chance": "3 realisations", "step": "twice", "spacing": "half",
@@ -96,13 +101,15 @@ def test_sources_are_seen_at_twice_the_step(folder):
 
 
 def test_the_largest_step_is_what_the_plan_says():
-    """Contact of one node on its spring, k = 2 pi f: no step beyond a period, none below a thousandth of it."""
+    """Contact of one node on its spring, k = 2 pi f: no step beyond a period, none below a
+    thousandth of it."""
     assert 0 < budgets._largest_step(ra2d.scene("dang2012").plan()) < 1e-4
     assert budgets._largest_step(ra2d.scene("dang2012").change(contact_force="new").plan()) == math.inf
     assert budgets._largest_step("nothing of it") == 0
 
 
-# ---- measured faces ---------------------------------------------------------------------------------
+# ---- measured faces
+# ---------------------------------------------------------------------------------
 
 def test_measured_faces_have_offsets_then_the_mirror_then_surrogates(of_measured):
     """45.5 mm less a cut-off of 2.5 mm leave 43 mm: two stretches of 20 mm."""
@@ -134,7 +141,8 @@ def test_realisations_are_of_the_heights_that_a_run_has(of_measured, measured, f
 
 
 def test_surrogates_keep_spectrum_and_heights(of_measured, folder):
-    """The periodogram of what lies off the line from end to end is equal to rounding; sorted heights to 3 % of Rq."""
+    """The periodogram of what lies off the line from end to end is equal to rounding; sorted
+    heights to 3 % of Rq."""
     place = folder / "of-measured"
     one, other = faces_of(place, "as-measured"), faces_of(place, "surrogate-1")
 
@@ -194,7 +202,8 @@ def test_a_short_profile_that_is_repeated_has_no_offsets(base, folder):
     assert found.realisations["slider"].tolist() == ["as measured", "mirror image", "surrogate 1"]
 
 
-# ---- what goes wrong --------------------------------------------------------------------------------
+# ---- what goes wrong
+# --------------------------------------------------------------------------------
 
 def test_runs_without_shocks_and_rigid_resonators(base, folder):
     """What does not exist is told, and no interval is made of it."""

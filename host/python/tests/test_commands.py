@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it. Each command is tried with
-a Python of its own (`environment={}`), and all that is asked of it beside that with one that starts quickly."""
+"""`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it. Each
+command is tried with a Python of its own (`environment={}`), and all that is asked of it beside
+that with one that starts quickly."""
 import json
 import os
 import pathlib
@@ -172,7 +173,8 @@ def test_without_python(place):
     assert said.returncode == (0 if pathlib.Path("/usr/bin/python3").exists() else 4)
 
 
-# ---- uncertainty and compare --------------------------------------------------------------------------
+# ---- uncertainty and compare
+# --------------------------------------------------------------------------
 
 SMALL = ("--set", "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set", "scene.duration=0.02", "--set",
          "output.rate=1e4")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Comparisons: scenes key by key, answers by the program's numbers, and false alarms as rare as is said."""
+"""Comparisons: scenes key by key, answers by the program's numbers, and false alarms as rare as is
+said."""
 import json
 import math
 import pathlib
@@ -58,7 +59,8 @@ def test_answers_are_the_programs_and_differences_their_ratios(result, other):
 
 
 def test_half_the_stiffness_makes_longer_shocks_at_the_same_level(result, other):
-    """By sqrt(2) of a mass on its spring, far beyond chance; the level hardly depends on it (docs/choices.md)."""
+    """By sqrt(2) of a mass on its spring, far beyond chance; the level hardly depends on it
+    (docs/choices.md)."""
     found = ra2d.compare(result, other)
     assert found.scene.index.tolist() == ["contact.stiffness"] and "in pairs" in found.test
     assert found.answers.differs["duration of a shock"] and found.answers.differs["rate of shocks"]
@@ -67,7 +69,8 @@ def test_half_the_stiffness_makes_longer_shocks_at_the_same_level(result, other)
 
 
 def test_ten_parts_give_the_programs_interval(result):
-    """Of one run: the scatter of its parts, widened, is the program's interval of level and rate."""
+    """Of one run: the scatter of its parts, widened, is the program's interval of level and
+    rate."""
     run = comparison._Run(result)
     _, parts = run.series(comparison._FIGURES[0].kind, comparison._FIGURES[0].of)
     half = 10 / math.log(10) * run.widening * ra2d.student.half_interval(parts)
@@ -78,7 +81,8 @@ def test_ten_parts_give_the_programs_interval(result):
 
 
 def test_other_faces_are_told_and_not_taken_in_pairs(result, base, folder):
-    """One pair of faces a side does not tell what other faces do: nothing is marked, however far they are apart."""
+    """One pair of faces a side does not tell what other faces do: nothing is marked, however far
+    they are apart."""
     seed = ra2d.run(base, {"slider.surface.seed": 9}, output=folder / "seed9.h5", show=False)
     found = ra2d.compare(result, seed)
     assert "Welch" in found.test and "faces differ" in found.notes[0]
@@ -90,7 +94,8 @@ def test_other_faces_are_told_and_not_taken_in_pairs(result, base, folder):
 
 
 def test_measured_faces_are_known_by_their_heights(base, folder):
-    """Not by their names: the same name may mean another profile by now, another name the same one."""
+    """Not by their names: the same name may mean another profile by now, another name the same
+    one."""
     x = np.arange(15_000)
 
     def ran(name, profile, height):
@@ -135,8 +140,9 @@ def test_studies_are_compared_where_both_have_runs(study, folder, base):
 
 
 def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
-    """Five pairs of the same faces whose contacts differ by 1e-7: trajectories part, statistics stay. Of 35
-    tests 5 % are 1.75; more than 7 are chance once in two thousand (binomial, were they independent)."""
+    """Five pairs of the same faces whose contacts differ by 1e-7: trajectories part, statistics
+    stay. Of 35 tests 5 % are 1.75; more than 7 are chance once in two thousand (binomial, were they
+    independent)."""
     alarms = 0
     for k in range(5):
         pair = [ra2d.run(base, {"slider.surface.seed": 50 + k, "contact.stiffness": stiffness}, duration=0.8, rate=2e4,
@@ -148,7 +154,8 @@ def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
     assert alarms <= 7
 
 
-# ---- what goes wrong --------------------------------------------------------------------------------
+# ---- what goes wrong
+# --------------------------------------------------------------------------------
 
 def test_json_has_no_nan_and_says_what_the_text_says(result, other):
     found = ra2d.compare(result, other)

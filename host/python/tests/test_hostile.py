@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Wrong requests and damaged files: each is an error of this package, in a plain sentence with the cure."""
+"""Wrong requests and damaged files: each is an error of this package, in a plain sentence with the
+cure."""
 import os
 import pathlib
 import shutil

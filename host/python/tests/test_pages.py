@@ -69,7 +69,8 @@ def sounds(text):
             for data in re.findall(r"data:audio/wav;base64,([A-Za-z0-9+/=]+)", text)]
 
 
-# ---- words and numbers -----------------------------------------------------------------------------
+# ---- words and numbers
+# -----------------------------------------------------------------------------
 
 def test_no_markup_goes_through():
     shown = page_words.html("<b>{}</b>", "<b a=\"1\" c='2'>&</b>")
@@ -109,7 +110,8 @@ def test_what_was_asked_has_the_units_of_its_keys():
         "samples": "100 kHz; counted from 0 s on", "moving force": "10 N at 20 m/s"}
 
 
-# ---- pictures --------------------------------------------------------------------------------------
+# ---- pictures
+# --------------------------------------------------------------------------------------
 
 def drawn(plot):
     figure, body = style.page(3, 2, [])
@@ -143,7 +145,8 @@ def test_a_long_line_keeps_its_extremes():
     assert 1000 < plot_height < 1440 and heights.count(min(heights)) == 1
 
 
-# ---- one result ------------------------------------------------------------------------------------
+# ---- one result
+# ------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
 def short(base, folder):
@@ -294,7 +297,8 @@ def test_aliased_modes_the_meshs_tone_and_bands_without_modes(result, whole, bas
     assert "Dashed: speed/spacing, 12.5 kHz" in text
 
 
-# ---- several results -------------------------------------------------------------------------------
+# ---- several results
+# -------------------------------------------------------------------------------
 
 def test_several_results_stand_side_by_side(short, result):
     text = page.results_text([result, short[0]])
@@ -324,7 +328,8 @@ def test_the_first_eight_are_heard(short, monkeypatch):
     assert third["why_none"].startswith("Of many results the first 2 alone have their sounds here")
 
 
-# ---- files -------------------------------------------------------------------------------------------
+# ---- files
+# -------------------------------------------------------------------------------------------
 
 def test_a_refusal_leaves_everything_as_it_was(result, folder):
     with pytest.raises(ra2d.RequestError, match="ends in .html"):
@@ -342,7 +347,8 @@ def test_an_earlier_page_gives_way(result, folder, undrawn):
     assert read(result.report(folder / "page.htm")).endswith("</html>")
 
 
-# ---- studies -------------------------------------------------------------------------------------------
+# ---- studies
+# -------------------------------------------------------------------------------------------
 
 @pytest.fixture(scope="module")
 def loads(base, folder):
@@ -484,7 +490,8 @@ def test_a_law_that_bends_is_a_doubt(study):
     assert made["formula"].startswith("v<sub>rms</sub> ∝ speed<sup>")
 
 
-# ---- in a browser ----------------------------------------------------------------------------------------
+# ---- in a browser
+# ----------------------------------------------------------------------------------------
 
 MEASURE = """<script>addEventListener("load", () => {
   const sounds = [...document.querySelectorAll("audio")].map(a => a.duration.toFixed(3));

@@ -177,7 +177,8 @@ def test_several_results_lie_over_one_another(result, base, folder):
         ra2d.plot([result], "force")
 
 
-# ---- stretches, the spectrogram, one shock ------------------------------------------------------------
+# ---- stretches, the spectrogram, one shock
+# ------------------------------------------------------------
 
 def test_a_stretch_has_the_numbers_of_the_stretch(result):
     """Those of `ra2d analyze --from --to`; sums of energy count from its first sample."""
@@ -226,8 +227,8 @@ def test_stretches_that_are_none(result, start, stop):
 
 
 def test_a_spectrogram_has_the_power_of_the_spectrum(result):
-    """Parseval: the densities summed over the lines and meaned over time are the mean square velocity, but for the
-    windows' weights at both ends and 0 Hz."""
+    """Parseval: the densities summed over the lines and meaned over time are the mean square
+    velocity, but for the windows' weights at both ends and 0 Hz."""
     time, frequency, density, length = spectrogram.densities(result)
     assert length == 2048 and frequency[1] == pytest.approx(1e5 / 2048) and (np.diff(time) > 0).all()
     assert 0 < time[0] < 0.02 and 0.98 < time[-1] < 1
@@ -236,7 +237,8 @@ def test_a_spectrogram_has_the_power_of_the_spectrum(result):
 
 
 def test_a_tone_stands_at_its_time_and_frequency():
-    """A mode that sounds in the second half: its line there carries a^2/2, spread over Hann's 1.5 lines."""
+    """A mode that sounds in the second half: its line there carries a^2/2, spread over Hann's 1.5
+    lines."""
     rate, n, amplitude = 1e4, 20_000, 3e-3
     t = np.arange(n) / rate
     velocity = amplitude * np.sin(2 * np.pi * 1250.0 * t) * (t >= 1)

@@ -136,6 +136,7 @@ def test_faces_are_checked_early(profile):
 
 
 def test_roughness_of_a_sine(profile):
-    """Rq of a sine of 2 um is 2/sqrt(2) um, before the filter takes 2 % of a wave of a third of the cut-off."""
+    """Rq of a sine of 2 um is 2/sqrt(2) um, before the filter takes 2 % of a wave of a third of the
+    cut-off."""
     messages = ra2d.surface.read(profile, x_unit="mm", z_unit="um", form="line").roughness(cutoff=2.5e-3)
     assert messages["Rq"] == pytest.approx(2e-6 / math.sqrt(2), rel=0.05) and messages.name == "iso21920"

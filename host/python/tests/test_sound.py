@@ -24,7 +24,8 @@ def sine(frequency, amplitude=1.0, phase=0.3):
 
 
 def middle_error(values, motion, rate):
-    """Largest error of the middle of a signal: at its ends it begins and ends at once, and rings."""
+    """Largest error of the middle of a signal: at its ends it begins and ends at once, and
+    rings."""
     at = np.arange(values.size // 4, 3 * values.size // 4)
     return np.abs(values[at] - motion(at / rate)).max()
 
@@ -71,7 +72,8 @@ def test_full_scale_is_the_next_round_velocity():
         assert sound.round_full_scale(peak) == scale
 
 
-# ---- of a probe -----------------------------------------------------------------------------------
+# ---- of a probe
+# -----------------------------------------------------------------------------------
 
 def moving(*probes, count=100001, rate=100e3, modes=(100, 18.9e3), slider=(), begins=0.0):
     """What sound asks of a result, whose probes move like this [m/s at s]."""
@@ -213,7 +215,8 @@ def test_the_text_beside_it():
     assert (about["from"], about["to"], about["source"], about["creator"]) == (0, 0.1, "out.h5", "ra2d")
 
 
-# ---- at microphones ---------------------------------------------------------------------------------
+# ---- at microphones
+# ---------------------------------------------------------------------------------
 
 def test_it_is_the_pressure_over_full_scale():
     time = np.arange(100001) / 100e3

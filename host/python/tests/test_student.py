@@ -23,8 +23,8 @@ def test_closed_forms():
 
 @pytest.mark.parametrize("scatter", [1.0, 5.0])
 def test_false_alarms_are_five_of_a_hundred(scatter):
-    """20000 pairs of ten parts of equal means: 5 % within three standard deviations of a count, and what
-    Welch's approximation leaves."""
+    """20000 pairs of ten parts of equal means: 5 % within three standard deviations of a count, and
+    what Welch's approximation leaves."""
     random = np.random.default_rng(7)
     n = 20_000
     a, b = random.normal(size=(n, 10)), scatter * random.normal(size=(n, 10))
