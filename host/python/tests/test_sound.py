@@ -168,7 +168,7 @@ def test_the_same_sound_is_the_same_bytes():
         assert sound.of_probe(result).encoded(encoding) == sound.of_probe(result).encoded(encoding)
 
 
-@pytest.mark.parametrize("title, told", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""), ("r\u00fch", "r\u00fch")])
+@pytest.mark.parametrize("title, messages", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""), ("r\u00fch", "r\u00fch")])
 def test_titles_from_outside(title, messages):
     result = moving(sine(1000, 3e-3), count=1001)
     result.title = title
