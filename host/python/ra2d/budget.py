@@ -59,10 +59,12 @@ class Budget:
 
     The interval of the whole adds chance and shifts as squares.
 
-    >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-    tolerance=1e-6), seeds=3) >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"] ('dB
-    re 1 nm/s', 'ln/100') >>> budget.realisations["slider"].tolist() ['seed 1', 'seed 1001', 'seed
-    2001']
+    >>> import ra2d
+    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+    >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
+    ('dB re 1 nm/s', 'ln/100')
+    >>> budget.realisations["slider"].tolist()
+    ['seed 1', 'seed 1001', 'seed 2001']
     """
 
     level: Estimate
@@ -78,8 +80,8 @@ class Budget:
     def text(self) -> str:
         """The text that `ra2d uncertainty` prints.
 
-        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-        tolerance=1e-6), seeds=3)
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
         >>> print(budget.text().splitlines()[0])                       # doctest: +ELLIPSIS
         level                ... dB re 1 nm/s (95 %: ...), mostly ...
         """
@@ -107,9 +109,10 @@ class Budget:
     def to_dict(self) -> dict[str, Any]:
         """The budget as nested dicts in SI units, for JSON; None for what does not exist.
 
-        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-        tolerance=1e-6), seeds=3) >>> sorted(budget.to_dict()) ['dominant', 'notes', 'quantities',
-        'realisations', 'runs', 'sources']
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> sorted(budget.to_dict())
+        ['dominant', 'notes', 'quantities', 'realisations', 'runs', 'sources']
         """
         quantities = {}
         for name, *_ in QUANTITIES:
@@ -130,8 +133,9 @@ class Budget:
     def to_json(self) -> str:
         """`to_dict` as text.
 
-        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-        tolerance=1e-6), seeds=3) >>> budget.to_json().splitlines()[1]
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.to_json().splitlines()[1]
         '  "quantities": {'
         """
         return json.dumps(self.to_dict(), ensure_ascii=False, indent=2, allow_nan=False)
@@ -139,8 +143,10 @@ class Budget:
     def to_csv(self, path: str | os.PathLike[str]) -> pathlib.Path:
         """Writes `table` as CSV, its units in the heads. Returns where it is.
 
-        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-        tolerance=1e-6), seeds=3) >>> budget.to_csv("budget.csv").name 'budget.csv'
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.to_csv("budget.csv").name
+        'budget.csv'
         """
         place = pathlib.Path(path)
         files.write(place, self.csv())
@@ -149,9 +155,10 @@ class Budget:
     def csv(self) -> str:
         """`table` as text, its units in the heads.
 
-        >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-        tolerance=1e-6), seeds=3) >>> budget.csv().splitlines()[0].split(",")[:3] ['source',
-        'changed to', 'level_dB']
+        >>> import ra2d
+        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> budget.csv().splitlines()[0].split(",")[:3]
+        ['source', 'changed to', 'level_dB']
         """
         heads = {f"{name}{end}": f"{name}{end}_{unit}" for name, unit in UNITS.items() for end in ("", "_chance")}
         return str(self.table.rename(columns=heads).to_csv(index_label="source"))
@@ -332,9 +339,12 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     - `folder`: where the study is kept; without it in the current folder, SCENE-uncertainty
     - `threads`: all processors without it
 
-    >>> import ra2d >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05,
-    tolerance=1e-6), seeds=3) >>> budget.table.index.tolist() ['chance', 'tolerance', 'spacing',
-    'modes', 'stiffness'] >>> budget.level.low < budget.level < budget.level.high True
+    >>> import ra2d
+    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+    >>> budget.table.index.tolist()
+    ['chance', 'tolerance', 'spacing', 'modes', 'stiffness']
+    >>> budget.level.low < budget.level < budget.level.high
+    True
     """
     if not isinstance(seeds, int) or seeds < 2:
         raise RequestError(f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are good)")

@@ -138,8 +138,10 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
     (`Result.with_microphones`, or the scene's) also have the sound pressure at the first one, in
     "bands" and "level". `start`, `stop` [s]: of this stretch of the runs alone.
 
-    >>> import ra2d >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6)
-    for v in (0.1, 0.2)] >>> len(ra2d.plot([slow, fast]).axes) 3
+    >>> import ra2d
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> len(ra2d.plot([slow, fast]).axes)
+    3
     """
     results = [results] if isinstance(results, Result) else list(results)
     if not results or not all(isinstance(result, Result) for result in results):

@@ -75,10 +75,13 @@ class Comparison:
     - `test`: which test was used and how often it raises a false alarm
     - `notes`: what to mind
 
-    >>> import ra2d >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6)
-    for v in (0.1, 0.2)] >>> found = ra2d.compare(slow, fast) >>>
-    found.scene.loc["scene.speed"].tolist() [0.1, 0.2, 'm/s'] >>> found.answers["unit"]["level"] 'dB
-    re 1 nm/s'
+    >>> import ra2d
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> found = ra2d.compare(slow, fast)
+    >>> found.scene.loc["scene.speed"].tolist()
+    [0.1, 0.2, 'm/s']
+    >>> found.answers["unit"]["level"]
+    'dB re 1 nm/s'
     """
 
     names: tuple[str, str]
@@ -590,8 +593,8 @@ def compare(a: Source, b: Source) -> Comparison:
     Other faces change the answers by more; lists of runs with several seeds are compared run by
     run, which holds for all faces. Runs of the same faces and the same way are compared in pairs.
 
-    >>> import ra2d >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v,
-    duration=0.05, tolerance=1e-6)
+    >>> import ra2d
+    >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v, duration=0.05, tolerance=1e-6)
     ...           for k in (1, 2, 3)] for v in (0.1, 0.4)]
     >>> found = ra2d.compare(*seeds)
     >>> bool(found.answers.differs["level"]), found.answers.difference["level"] > 3      # dB

@@ -567,8 +567,10 @@ def load(path: str | os.PathLike[str]) -> Result:
 def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> pathlib.Path:
     """Writes one page of several results side by side, with their means. Returns where it is.
 
-    >>> import ra2d >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6)
-    for v in (0.1, 0.2)] >>> ra2d.report([slow, fast], "speeds.html").name 'speeds.html'
+    >>> import ra2d
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> ra2d.report([slow, fast], "speeds.html").name
+    'speeds.html'
     """
     from . import page
 

@@ -236,8 +236,7 @@ class Scene:
         """What the program would model, and why: modes, limits of stability, cost (`ra2d plan`).
 
         >>> import ra2d
-        >>> print(ra2d.scene("dang2012").plan().split("stability")[0].splitlines()[-1])    #
-        doctest: +ELLIPSIS
+        >>> print(ra2d.scene("dang2012").plan().split("stability")[0].splitlines()[-1])    # doctest: +ELLIPSIS
         scheme     backward-euler ...
         """
         with program.scratch() as folder:
@@ -287,8 +286,10 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     """A scene by the name of one that comes with ra2d, from a TOML file, or from a dict of
     sections with values in SI units.
 
-    >>> import ra2d >>> ra2d.scene("dang2012") <ra2d.Scene dang2012> >>> ball =
-    {**ra2d.scene("drop").content(), "scene": {"name": "ball", "duration": 1e-3, "speed": 0.0,
+    >>> import ra2d
+    >>> ra2d.scene("dang2012")
+    <ra2d.Scene dang2012>
+    >>> ball = {**ra2d.scene("drop").content(), "scene": {"name": "ball", "duration": 1e-3, "speed": 0.0,
     ...                                                   "start": 0.1, "spacing": 8e-6}}
     >>> ra2d.scene(ball)["duration"]                  # s
     0.001
