@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "host/base/csv.hpp"
+#include "host/base/quiet_nan.hpp"
 
 namespace ra2d {
 namespace {
@@ -29,7 +30,7 @@ std::string law_rows(const StudyLaw& law) {
         {"constant_dB", law.constant},
         {"deviation_dB", law.deviation},
         {"r_squared", law.explained},
-        {"straight_line_p", law.line.why_not_tested.empty() ? law.line.p : std::nan("")},
+        {"straight_line_p", law.line.why_not_tested.empty() ? law.line.p : quiet_nan},
         {"seeds", static_cast<double>(law.seeds)},
         {"runs", static_cast<double>(law.runs)},
         {"left_out", static_cast<double>(law.left_out)}})

@@ -12,6 +12,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/fourier.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/bells.hpp"
 #include "host/surface/gaussian.hpp"
 #include "host/surface/johnson.hpp"
@@ -239,7 +240,7 @@ struct Line {
     const double end = values[whole] + share * (values[whole + 1] - values[whole]);
     const double mean =
         (integral[whole] - integral[begin] + share * (values[whole] + end) / 2) / length;
-    if (!(std::abs(mean) < band)) return std::nan("");
+    if (!(std::abs(mean) < band)) return quiet_nan;
     double first = 0, last = 0;
     int count = 0;
     for (auto it = std::lower_bound(up.begin(), up.end(), begin); it != up.end(); ++it) {
@@ -250,7 +251,7 @@ struct Line {
       if (count++ == 0) first = at;
       last = at;
     }
-    return count > 1 ? (last - first) / (count - 1) : std::nan("");
+    return count > 1 ? (last - first) / (count - 1) : quiet_nan;
   }
 };
 

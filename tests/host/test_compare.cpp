@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tests/compare.hpp"
+#include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
 
 /// Messages of the tests about two runs that differ: a test of tests.
@@ -77,7 +78,6 @@ TEST(Compare, TheEarliestIsSaidFirst) {
 }
 
 TEST(Compare, ASignOfZeroAndWhatIsNoNumberDiffer) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(said(same("x", {0.0}, {-0.0})), HasSubstr("0 and -0, which is a zero's sign"));
   EXPECT_THAT(said(same("x", {nan}, {1.0})), HasSubstr("nan and 1; 1 of 1"));
   EXPECT_FALSE(same("x", {nan}, {-nan}));

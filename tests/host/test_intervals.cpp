@@ -23,11 +23,13 @@
 #include "host/study/law.hpp"
 #include "host/study/study_csv.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d {
 namespace {
 
+using test::nan;
 using testing::HasSubstr;
 
 /// Four standard deviations of a share of so many trials.
@@ -135,7 +137,6 @@ TEST(IntervalsOfRun, OfPartsWithoutMemoryIsStudentsOfTen) {
 
 TEST(IntervalsOfRun, SayWhyThereIsNone) {
   const LevelHistory history{0, 0.01, std::vector<double>(200, 1.0), std::vector<double>(200, 1.0)};
-  const double nan = std::nan("");
   for (const auto& [found, why] :
        {std::pair{intervals_of_run(history, 90, 1, 0.3), "3 s or more are needed"},
         {intervals_of_run(history, 90, 1, HUGE_VAL), "never forgets"},

@@ -39,8 +39,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
-
 TEST(Movement, IsTheRatioOfTheMeans) {
   const Movement m = movement({1, 2, 3}, {1.1, 2.2, 3.3});
   EXPECT_NEAR(m.relative, 0.1, 1e-15);
@@ -73,9 +71,9 @@ TEST(Movement, OfNothingIsNone) {
   EXPECT_EQ(movement({0, 0}, {0, 0}).relative, 0);
   EXPECT_EQ(movement({0, 0}, {0, 1}).relative, infinity);
   EXPECT_EQ(movement({1, 2}, {0, 0}).relative, -1);
-  EXPECT_EQ(movement({no_number, no_number}, {no_number, 1}).pairs, 0);
-  EXPECT_EQ(judge(movement({no_number}, {no_number}), 0.01), Verdict::kept);
-  const Movement m = movement({1, no_number, 2, 3}, {1, 5, no_number, 3});
+  EXPECT_EQ(movement({nan, nan}, {nan, 1}).pairs, 0);
+  EXPECT_EQ(judge(movement({nan}, {nan}), 0.01), Verdict::kept);
+  const Movement m = movement({1, nan, 2, 3}, {1, 5, nan, 3});
   EXPECT_EQ(m.pairs, 2);
   EXPECT_EQ(m.relative, 0);
 }
@@ -176,7 +174,7 @@ TEST(Ensemble, AnswersAreThoseOfTheRuns) {
     EXPECT_EQ(a.shock_rate * s.duration,
               static_cast<double>(shocks.size() + one.end.open_shocks.size()));
     EXPECT_NEAR(a.energy_closure, std::abs(one.energy.relative()), 1e-15);
-    double first = no_number, begin = infinity;
+    double first = nan, begin = infinity;
     for (const Shock& shock : shocks)
       if (shock.start > 0 && shock.start < begin) begin = shock.start, first = shock.duration;
     EXPECT_EQ(a.first_duration, first);
