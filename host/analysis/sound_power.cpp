@@ -51,7 +51,8 @@ class ResistanceBetween {
   const std::vector<double>& at(long i) {
     const auto old = cached_.find(i);
     if (old != cached_.end()) return old->second;
-    return cached_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_)).first->second;
+    return cached_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_))
+        .first->second;
   }
 
   const RadiationResistance& resistance_;

@@ -82,7 +82,8 @@ TEST(Quadrature, PanelsFollowAPoleAndAWave) {
     double sum = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
       sum += points.weight[i] / std::hypot(points.at[i] - 0.1, distance);
-    EXPECT_NEAR(sum / (std::asinh(0.9 / distance) + std::asinh(0.1 / distance)), 1, 1e-12) << distance;
+    EXPECT_NEAR(sum / (std::asinh(0.9 / distance) + std::asinh(0.1 / distance)), 1, 1e-12)
+        << distance;
   }
   const Points points = even_points(0, 1, 900);
   Complex sum;

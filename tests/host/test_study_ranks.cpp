@@ -200,7 +200,7 @@ slider.surface = {{ kind = "file", path = "{}" }}
 TEST_F(StudyRanks, WhatSharesNothingIsRefused) {
   // as mpirun and srun start a process, without them
   for (const std::string variables : {"OMPI_COMM_WORLD_SIZE=3 OMPI_COMM_WORLD_RANK=",
-                                    "PMI_SIZE=3 PMI_RANK=", "SLURM_STEP_NUM_TASKS=3 PMIX_RANK="})
+                                      "PMI_SIZE=3 PMI_RANK=", "SLURM_STEP_NUM_TASKS=3 PMIX_RANK="})
     for (const std::string line :
          {"run base.toml", "study study.toml --list", "study study.toml --dry-run",
           "study status out", "study merge out", "plan base.toml"}) {

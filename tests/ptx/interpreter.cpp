@@ -244,7 +244,7 @@ char* PtxWarp::memory(const Instruction& i, std::size_t index, std::uint64_t add
     if (!checks_races_ || i.kind == Kind::compare_and_swap)
       return memory_.holds(address, i.bytes, writes, hints_[index]);
     const bool held = memory_.touch(address, i.bytes, writes, lane, static_cast<int>(index),
-                                     hints_[index], conflicts_);
+                                    hints_[index], conflicts_);
     // in the order of the program: some orders of the lanes show a pair both ways
     for (const auto& conflict : conflicts_)
       races_.insert(std::minmax(conflict.earlier, conflict.later));
