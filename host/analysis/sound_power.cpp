@@ -8,6 +8,7 @@
 #include <complex>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "host/analysis/bands.hpp"
 #include "host/base/errors.hpp"
@@ -85,6 +86,54 @@ std::vector<std::complex<double>> lines_of(Fourier& fourier, std::size_t length,
   return lines;
 }
 
+/// v^H R v, R symmetric and real: its rows up to the diagonal, one after another.
+double form_of(const std::vector<double>& r, const std::complex<double>* v, std::size_t size) {
+  const double* row = r.data();
+  double sum = 0;
+  for (std::size_t k = 0; k < size; row += ++k) {
+    double re = 0, im = 0;
+    for (std::size_t l = 0; l < k; ++l) {
+      re += row[l] * v[l].real();
+      im += row[l] * v[l].imag();
+    }
+    re = 2 * re + row[k] * v[k].real();
+    im = 2 * im + row[k] * v[k].imag();
+    sum += re * v[k].real() + im * v[k].imag();
+  }
+  return sum;
+}
+
+/// Levels, efficiencies and spread of the bands that `piece` seconds at `rate` hold. `lines`: of
+/// power, A-weighted power and mean square velocity; `flow`: rho c S; `span`: s, of all pieces.
+void add_bands(RadiatedPower& found, const WholeSpectrum& whole,
+               const std::vector<std::span<const double>>& lines, double flow, double rate,
+               double piece, double span) {
+  found.number = carried_bands(rate, piece);
+  const auto of_bands = band_powers(found.number, whole, lines);
+  for (std::size_t i = 0; i < found.number.size(); ++i) {
+    found.level.push_back(power_level(of_bands[0][i]));
+    found.level_a.push_back(power_level(of_bands[1][i]));
+    found.band_efficiency.push_back(of_bands[0][i] / (flow * of_bands[2][i]));
+    found.spread.push_back(band_spread(found.number[i], span));
+  }
+}
+
+/// Efficiency of each elastic mode at its frequency, and the damping ratio that the air adds; NaN
+/// above `highest` Hz.
+void add_modes(RadiatedPower& found, const SoundingResonator& resonator,
+               const RadiationResistance& resistance, double highest) {
+  const std::vector<BodyMode>& modes = resonator.body.modes;
+  for (std::size_t k = 0; k < modes.size(); ++k) {
+    const double frequency = modes[k].omega / (2 * M_PI);
+    if (!(frequency > 0)) continue;
+    const double r = frequency <= highest ? resistance.of_mode(k, frequency) : quiet_nan;
+    found.mode_frequency.push_back(frequency);
+    found.mode_efficiency.push_back(
+        r / (resonator.air.density * resonator.air.sound_speed * resonator.squared_shape));
+    found.mode_damping.push_back(r / (modes[k].mass * modes[k].omega));
+  }
+}
+
 }  // namespace
 
 double power_level(double watts) { return 10 * std::log10(watts / 1e-12); }
@@ -132,26 +181,15 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
       found.damping_power += 2 * modes[k].zeta * modes[k].mass * modes[k].omega * mean;
     }
     for (std::size_t j = 1; j < lines; ++j) {
-      const std::vector<double>& r = between(whole.frequency(j));
       const std::complex<double>* v = &spectrum[j * modes.size()];
-      const double* row = r.data();
-      double watts = 0, squares = 0;
-      for (std::size_t k = 0; k < modes.size(); row += ++k) {
-        double re = 0, im = 0;
-        for (std::size_t l = 0; l < k; ++l) {
-          re += row[l] * v[l].real();
-          im += row[l] * v[l].imag();
-        }
-        re = 2 * re + row[k] * v[k].real();
-        im = 2 * im + row[k] * v[k].imag();
-        watts += re * v[k].real() + im * v[k].imag();
-        // <v^2> is that of the whole elastic motion
+      double squares = 0;  // <v^2> is that of the whole elastic motion
+      for (std::size_t k = 0; k < modes.size(); ++k) {
         const bool bends = modes[k].omega > 0;
         squares +=
             std::norm(bends ? v[k] + ends[k].first * ones[j] + ends[k].slope * ramp[j] : v[k]);
       }
       const double own = 2 * j == fourier.length() ? scale / 2 : scale;
-      power[j] += own * watts;
+      power[j] += own * form_of(between(whole.frequency(j)), v, modes.size());
       square[j] += own * squares / resonator.extent;
     }
   }
@@ -162,24 +200,9 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   found.efficiency = found.watts / (flow * std::accumulate(square.begin(), square.end(), 0.0));
   const std::vector<double> weighted = a_weighted(whole, power);
   found.lw_a = power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0));
-  found.number = carried_bands(rate, static_cast<double>(length) / rate);
-  const auto of_bands = band_powers(found.number, whole, {power, weighted, square});
-  for (std::size_t i = 0; i < found.number.size(); ++i) {
-    found.level.push_back(power_level(of_bands[0][i]));
-    found.level_a.push_back(power_level(of_bands[1][i]));
-    found.band_efficiency.push_back(of_bands[0][i] / (flow * of_bands[2][i]));
-    found.spread.push_back(
-        band_spread(found.number[i], static_cast<double>(length * pieces) / rate));
-  }
-  for (std::size_t k = 0; k < modes.size(); ++k) {
-    const double frequency = modes[k].omega / (2 * M_PI);
-    if (!(frequency > 0)) continue;
-    const double r = frequency <= highest ? resistance.of_mode(k, frequency) : quiet_nan;
-    found.mode_frequency.push_back(frequency);
-    found.mode_efficiency.push_back(
-        r / (resonator.air.density * resonator.air.sound_speed * resonator.squared_shape));
-    found.mode_damping.push_back(r / (modes[k].mass * modes[k].omega));
-  }
+  add_bands(found, whole, {power, weighted, square}, flow, rate, static_cast<double>(length) / rate,
+            static_cast<double>(length * pieces) / rate);
+  add_modes(found, resonator, resistance, highest);
   found.share_of_damping = 2 * found.watts / found.damping_power;
   found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);
   return found;

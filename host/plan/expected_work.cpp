@@ -47,22 +47,76 @@ double touching_on_maps(const Scene& scene) {
   return contacts * std::max(1.0, M_PI / 4 * width * width / area);
 }
 
+/// Numbers of a scene on which its cost depends.
+struct SceneCount {
+  double modes = 0, wide = 1;  // of both bodies; the same over counted_modes, at least 1
+  double nodes = 0, node = 0;  // of the slider; ns to evaluate one
+  double touching = 1;         // nodes, or cells, in contact at once
+  double forces = 0;           // that travel
+  bool areal = false, smooth = false;
+};
+
+constexpr double ns = 1e-9;
+
+/// Sets strides and march of a scene with `adaptive`; `highest`: Hz, its fastest mode.
+void estimate_adaptive(const Scene& scene, const SceneCount& count, double highest,
+                       ExpectedWork& work) {
+  const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
+  work.strides = 1 + scene.duration * strides_a_second(scene, highest, count.touching);
+  const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
+                           (count.areal ? step_costs::row_groups : 0.0);
+  const double step = (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
+                      (count.areal ? 1 + step_costs::more_share * count.touching
+                                   : 1 + step_costs::usual_more_share * (count.touching - 1));
+  work.march =
+      ns *
+      (work.strides *
+           (count.wide * (step + terms * count.forces * step_costs::travelling_force) + all_nodes) +
+       scene.duration * scene.speed / scene.spacing * step_costs::leap);
+}
+
+/// Sets strides and march of a scene with fixed steps.
+void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& work) {
+  work.strides = scene.duration / scene.time.step;
+  const bool held = holds_forces(scene);
+  const int stages = scheme_table(scene.time.scheme).stages;
+  const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
+  const double all_nodes =
+      scene.time.nodes == Nodes::all ? evaluations * count.node * count.nodes : 0.0;
+  const bool new_force = held && scene.contact.law == ContactLaw::penalty;
+  const double in_contact =
+      count.smooth ? (new_force ? step_costs::new_cells : (held ? 1 : stages) * step_costs::cells)
+      : held       ? evaluations * step_costs::held
+                   : stages * step_costs::contact;
+  // on average a contact is half as wide as at the peak of a shock
+  const double more =
+      0.5 * (count.touching - 1) * evaluations *
+      (count.smooth ? step_costs::cell
+                    : step_costs::more_nodes * std::max(8.0, count.modes) / count.wide);
+  const double solved =
+      new_force && !count.smooth && count.touching > 1
+          ? step_costs::pressed * std::pow(std::min(count.touching, step_costs::pressed_at_most), 3)
+          : 0.0;
+  // in contact half of the time
+  work.march = ns * work.strides *
+               (count.wide * (0.5 * (step_costs::flight + in_contact + more + solved) +
+                              stages * count.forces * step_costs::travelling_force) +
+                all_nodes);
+}
+
 }  // namespace
 
 ExpectedWork expected_work(const Scene& scene, double contact_width) {
   constexpr int most_counted = 2000;  // modes
-  constexpr double ns = 1e-9;
   const auto modes_of = [](const BodySpec& body) { return mode_count(body, most_counted); };
   const auto highest_of = [&](const BodySpec& body) {
     const int elastic = modes_of(body) - rigid_mode_count(body);
     return elastic > 0 ? elastic_frequency(body, elastic - 1) : 0.0;
   };
   const double modes = modes_of(scene.resonator) + modes_of(scene.slider);
-  const double wide = std::max(1.0, modes / step_costs::counted_modes);
   const bool areal = scene.kind == SceneKind::areal;
   const double rows = areal ? scene.slider.width / scene.spacing_y.value_or(scene.spacing) : 1;
   const double nodes = rows * scene.slider.length / scene.spacing;
-  const auto forces = static_cast<double>(scene.resonator.moving_forces.size());
   const bool smooth = scene.faces == Faces::smooth;
   // nodes, or cells, that a contact is wide
   const double touching = areal
@@ -77,46 +131,21 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
             step_costs::surface_node * nodes);
   if (scene.initial == Initial::statics && !areal)
     work.readiness += ns * step_costs::balanced_node * nodes * std::max(8.0, modes);
-  const double node =
-      areal ? step_costs::row_node + step_costs::row_node_mode * modes : step_costs::node;
+  const SceneCount count{
+      .modes = modes,
+      .wide = std::max(1.0, modes / step_costs::counted_modes),
+      .nodes = nodes,
+      .node = areal ? step_costs::row_node + step_costs::row_node_mode * modes : step_costs::node,
+      .touching = touching,
+      .forces = static_cast<double>(scene.resonator.moving_forces.size()),
+      .areal = areal,
+      .smooth = smooth};
   if (is_adaptive(scene)) {
     const double highest = std::max(highest_of(scene.resonator), highest_of(scene.slider));
-    const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
-    work.strides = 1 + scene.duration * strides_a_second(scene, highest, touching);
-    const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * node * nodes : 0.0) +
-                             (areal ? step_costs::row_groups : 0.0);
-    const double step = (smooth ? step_costs::smooth_step : terms * step_costs::order) *
-                        (areal ? 1 + step_costs::more_share * touching
-                               : 1 + step_costs::usual_more_share * (touching - 1));
-    work.march =
-        ns * (work.strides *
-                  (wide * (step + terms * forces * step_costs::travelling_force) + all_nodes) +
-              scene.duration * scene.speed / scene.spacing * step_costs::leap);
-    return work;
+    estimate_adaptive(scene, count, highest, work);
+  } else {
+    estimate_fixed(scene, count, work);
   }
-  work.strides = scene.duration / scene.time.step;
-  const bool held = holds_forces(scene);
-  const int stages = scheme_table(scene.time.scheme).stages;
-  const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
-  const double all_nodes = scene.time.nodes == Nodes::all ? evaluations * node * nodes : 0.0;
-  const bool new_force = held && scene.contact.law == ContactLaw::penalty;
-  const double in_contact =
-      smooth ? (new_force ? step_costs::new_cells : (held ? 1 : stages) * step_costs::cells)
-      : held ? evaluations * step_costs::held
-             : stages * step_costs::contact;
-  // on average a contact is half as wide as at the peak of a shock
-  const double more =
-      0.5 * (touching - 1) * evaluations *
-      (smooth ? step_costs::cell : step_costs::more_nodes * std::max(8.0, modes) / wide);
-  const double solved =
-      new_force && !smooth && touching > 1
-          ? step_costs::pressed * std::pow(std::min(touching, step_costs::pressed_at_most), 3)
-          : 0.0;
-  // in contact half of the time
-  work.march = ns * work.strides *
-               (wide * (0.5 * (step_costs::flight + in_contact + more + solved) +
-                        stages * forces * step_costs::travelling_force) +
-                all_nodes);
   return work;
 }
 
