@@ -87,6 +87,7 @@ def areal(support, scheme, setting, **time):
     scene["slider"]["load"] = 0.5 if support == "free" else 0.0
     scene["resonator"]["max_frequency"] = 8e3
     scene["contact"]["stiffness"] = 1e14
+    scene["output"] = {"rate": 100e3}  # the scene's probe is not within a plate that is made smaller
     scene["time"] = {"scheme": scheme, "tolerance" if scheme == "adaptive" else "step": setting, **time}
     return scene
 

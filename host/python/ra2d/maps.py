@@ -74,7 +74,7 @@ def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = 
     count = dots(panels[0], shocks)
     panels[0].set(xlim=limits[0], ylim=limits[1])
     of = f"the {count} strongest of " if count < len(shocks) else ""
-    panels[0].set_title("Resonator under the slider's way" + (f"; dots: {of}{len(shocks)} shocks" if len(shocks) else
+    panels[0].set_title("Resonator under the slider's path" + (f"; dots: {of}{len(shocks)} shocks" if len(shocks) else
                                                               "; there were no shocks"))
     panels[0].set_xlabel("x on the resonator [mm]")
     draw(panels[1], thinned(result.profile("slider"), most), "viridis", "height" if bars else "")

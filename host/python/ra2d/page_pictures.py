@@ -128,7 +128,7 @@ def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tupl
 def _maps(result: Result) -> tuple[Picture, str, Markup]:
     figure = _small(lambda body: maps.faces(body.subplots(2, 1), result, plots.track(result), False, MOST_PIXELS),
                     1.6 * HEIGHT)
-    caption = html("<b>Faces</b>, dark: low, light: high. Above the resonator's under the slider's way{}; below the "
+    caption = html("<b>Faces</b>, dark: low, light: high. Above the resonator's under the slider's path{}; below the "
                    "slider's, seen through it from above", f", with the places of {len(result.shocks)} shocks"
                    if len(result.shocks) else "")
     return figure, "Faces as maps, and places of contact", caption + html(".")
