@@ -51,7 +51,7 @@ EARLIER = b"an earlier result\n"
 RUN, FORCE = ["run", "s.toml", "-o", "out.h5"], ["--force"]  # which alone replaces what is there
 BESIDE_OUTPUT = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
 MEMORY = 4 << 30  # bytes, of each process
-PATIENCE = 20.0   # s
+PATIENCE = 60.0   # s: with sanitizers, while other tests run, a study takes 20
 ENOUGH = 1.5      # s, after which a run that is long by its own plan is interrupted
 LONG_RUN = 10.0   # s, by its plan, at worst
 
