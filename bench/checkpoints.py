@@ -75,7 +75,7 @@ def main():
         costs.append(overhead[every] - overhead[None])
         print(f"{every:6g} s {counts[-1]:12g} {costs[-1]:7.3f} s {costs[-1] / max(counts[-1], 1) * 1e3:6.1f} ms "
               f"{costs[-1] / march:12.2%}")
-    if len(counts) > 1:  # cost = each * segments + share * march, by least squares; the end is a segment, too
+    if len(set(counts)) > 1:  # cost = each * segments + share * march, by least squares; the end is a segment, too
         counts = [count + 1 for count in counts]
         mean_count, mean_cost = statistics.mean(counts), statistics.mean(costs)
         each = (sum((n - mean_count) * (c - mean_cost) for n, c in zip(counts, costs))
