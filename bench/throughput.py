@@ -111,7 +111,7 @@ def draw(picture, cases, one, all_cores, title):
 
 
 def main():
-    words = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    words = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     words.add_argument("files", nargs="+", metavar="FILE.json")
     words.add_argument("--picture", help="draws it: .svg, .png or .pdf")
     options = words.parse_args()
