@@ -38,12 +38,13 @@ double areal_memory(const Scene& scene) {
 void require_areal_memory(const Scene& scene, double available) {
   const double needed = areal_memory(scene);
   if (needed <= available) return;
-  std::string cure = "a smaller slider, or a shorter way";
+  std::string cure = "a smaller slider, or a shorter distance of sliding";
   if (available > 1.5 * program_memory) {
     const double coarser =
         scene.spacing * std::sqrt((needed - program_memory) / (available - program_memory));
-    cure = fmt::format("scene.spacing = {:.2g} or more, a smaller slider, or a shorter way",
-                       coarser * 1.05);
+    cure = fmt::format(
+        "scene.spacing = {:.2g} or more, a smaller slider, or a shorter distance of sliding",
+        coarser * 1.05);
   }
   throw refusal(
       scene, "scene.spacing",
