@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # ./test.sh [--all | --long] [ctest options]: installs what is missing, builds the program with its
-# tests, runs them. --all: also the benchmarks, and the tests that take longest to build: comparison
-# with CVODE and Boost.Odeint, the
-#        lanes of a GPU's warp on a CPU, the interpreter of PTX.
+# tests, runs them.
+# --all: also the benchmarks and the tests that take longest: comparison with CVODE and
+#        Boost.Odeint, the lanes of a GPU's warp on a CPU, the interpreter of PTX, kills, damaged
+#        files, a full disk, Slurm, the package, the Python types.
 # --long: also draws random cases four times as often, and tries the bundle in a bare system.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -10,11 +10,11 @@ adaptive and semi_implicit. A count that is more than 3 % above that of bench/de
 an error. --quick leaves out what ptxas is needed for. --renew writes the file anew: for a rise on
 purpose, and after a gain, so that it stays.
 
-Of a step (backward_euler) or a stride (adaptive): `ptx_instructions`, `loads` and
+Of a step: `ptx_instructions`, `loads` and
 `machine_instructions` that a warp issues (machine_code.py; `machine_error` is its share of error),
 `sums`: reductions over its lanes. `local_bytes`: a lane's local memory that the source asks for.
 `registers` of a thread and `spilled_bytes`, as ptxas says, with all the registers that there are.
-`counted`: steps or strides. `in_contact`: the share of the time steps with a contact. ptxas and
+`counted`: steps. `in_contact`: the share of the time steps with a contact. ptxas and
 readelf must be on the path. Standard library only.
 """
 import argparse

@@ -61,6 +61,20 @@ inline constexpr int most_listed_nodes = 48;
 /// one sum over most_modes, for the displacement is compared with another such sum.
 KOKKOS_INLINE_FUNCTION double rounding(int steps) { return (256 + steps) * 0x1p-52; }
 
+/// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u`
+/// itself: of what the forces make of `free`, roundings of the larger of the two are left.
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION double displacement_rounding(const Lanes& lanes, const MotionLimits& bounds,
+                                                    const typename Lanes::Real* u,
+                                                    const typename Lanes::Real* free) {
+  using Real = typename Lanes::Real;
+  Real part(0.0);
+  for (int p = 0; p < packs; ++p)
+    part = multiply_add(lanes.load(bounds.largest_shape + p * Lanes::width),
+                        Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
+  return rounding(0) * lanes.sum(part);
+}
+
 /// Where contact can begin in the next steps: nowhere (flight), at listed nodes alone (listed), or
 /// anywhere (search: for contact at every state anew).
 struct ContactForecast {
@@ -135,24 +149,19 @@ class Candidates {
 
     const double half_curve = 0.5 * b.curvature * tau * tau;
     // A node is not listed if it stays free along the line, with the margin and its own motion.
-    double slack = faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
-                   position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve;
-    // what the cubics leave out of the closing per step
-    double closing_slack =
-        tau * bound(bounds_.cubic_remainder, v) +
-        motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
-        2.0 * half_curve;
+    Slack slack = slack_of(b, u, v, place, half_curve);
     if (faces_.smooth) [[unlikely]]  // a cell may be closed where its ends are not
-      slack += modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, listed_travel + remaining);
-    const double level = -(margin + half_curve * listed_steps * listed_steps + slack);
+      slack.overlap +=
+          modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, listed_travel + remaining);
+    const double level = -(margin + half_curve * listed_steps * listed_steps + slack.overlap);
     int count = 0;
     last_listed_ = -1;
     Real pressed(0.0);
     double flight = faces_.smooth
                         ? steps_to_contact<true>(u, v, place, longest, listed_steps, half_curve,
-                                                 slack, closing_slack, level, count, pressed)
+                                                 slack, level, count, pressed)
                         : steps_to_contact<false>(u, v, place, longest, listed_steps, half_curve,
-                                                  slack, closing_slack, level, count, pressed);
+                                                  slack, level, count, pressed);
     // the list of candidate groups may end the flight earlier
     const double valid_steps = steps_of_travel(b.speed * tau + half_curve, half_curve, remaining);
     if (valid_steps < flight) flight = valid_steps;
@@ -276,6 +285,20 @@ class Candidates {
     double acceleration_per_newton;  // 1/kg, of contact force, as in the header
   };
 
+  /// Allowances of the bounds: for roundings, and for what the cubics leave out.
+  struct Slack {
+    double overlap;  // m
+    double closing;  // m, a step
+  };
+  RA2D_FUNCTION Slack slack_of(const Bounds& b, const Real* u, const Real* v, const Place& place,
+                               double half_curve) const {
+    return {faces_.rounding + b.rounding + bound(bounds_.cubic_remainder, u) +
+                position_rounding(place) * faces_.steepest_rise + 2.0 * half_curve,
+            motion_.time_step * bound(bounds_.cubic_remainder, v) +
+                motion_.advance * motion_.spacing * bound(bounds_.cubic_slope_remainder, u) +
+                2.0 * half_curve};
+  }
+
   /// Steps for which no node of the candidate groups comes into contact, `longest` at the most:
   /// until the gap is closed by the closing speed, the curvature and what the cubics leave out.
   /// Lists the nodes whose overlap may exceed `level` within `listed_steps`; `pressed`: the sum of
@@ -284,8 +307,8 @@ class Candidates {
   KOKKOS_FORCEINLINE_FUNCTION double steps_to_contact(const Real* u, const Real* v,
                                                       const Place& place, int longest,
                                                       int listed_steps, double half_curve,
-                                                      double slack, double closing_slack,
-                                                      double level, int& count, Real& pressed) {
+                                                      const Slack& slack, double level, int& count,
+                                                      Real& pressed) {
     const double tau = motion_.time_step;
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     Real soonest(static_cast<double>(longest));
@@ -294,7 +317,7 @@ class Candidates {
       auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
       // closing per step: the modes, and the node's path over the resonator's face
       Real closing =
-          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(closing_slack)));
+          multiply_add(tau, modes, multiply_add(motion_.advance, slope, Real(slack.closing)));
       Real curve(half_curve), sag(0.0);
       if constexpr (smooth) {  // the curvature of the path, with the slacks that it takes
         const Real lift = Real(0.5 * motion_.advance * motion_.advance) *
@@ -318,7 +341,7 @@ class Candidates {
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
-      const Real open = Kokkos::max(-overlap - Real(slack), Real(0.0));
+      const Real open = Kokkos::max(-overlap - Real(slack.overlap), Real(0.0));
       const Real linear = closing + curve;
       const Real root =
           Kokkos::sqrt(multiply_add(linear, linear, Real(4.0) * curve * open)) + linear;

@@ -81,8 +81,9 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
     m.low = m.mean - half;
     m.high = m.mean + half;
   } else if (kind == Values::share) {
-    const double room = m.mean * (1 - m.mean);  // a logit changes by 1/room of what its share does
-    const double odds = m.mean / (1 - m.mean), factor = room > 0 ? std::exp(half / room) : 1;
+    const double slope =
+        m.mean * (1 - m.mean);  // a logit changes by 1/slope of what its share does
+    const double odds = m.mean / (1 - m.mean), factor = slope > 0 ? std::exp(half / slope) : 1;
     m.low = half > 0 ? odds / (odds + factor) : m.mean;
     m.high = half > 0 ? odds * factor / (1 + odds * factor) : m.mean;
     if (std::isinf(factor)) m.low = 0, m.high = 1;

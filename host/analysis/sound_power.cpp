@@ -86,6 +86,22 @@ std::vector<std::complex<double>> lines_of(Fourier& fourier, std::size_t length,
   return lines;
 }
 
+/// The lines of a piece of the modes' velocities, without their end lines: (line, mode).
+struct PieceSpectrum {
+  std::vector<std::complex<double>> lines;
+  std::vector<EndLine> ends;  // of each mode
+
+  PieceSpectrum(Fourier& fourier, const std::vector<std::vector<double>>& velocity)
+      : lines(fourier.lines() * velocity.size()) {
+    for (std::size_t k = 0; k < velocity.size(); ++k) {
+      const EndLine& end = ends.emplace_back(velocity[k]);
+      const auto of_mode = lines_of(fourier, velocity[k].size(),
+                                    [&](std::size_t n) { return velocity[k][n] - end.at(n); });
+      for (std::size_t j = 0; j < of_mode.size(); ++j) lines[j * velocity.size() + k] = of_mode[j];
+    }
+  }
+};
+
 /// v^H R v, R symmetric and real: its rows up to the diagonal, one after another.
 double form_of(const std::vector<double>& r, const std::complex<double>* v, std::size_t size) {
   const double* row = r.data();
@@ -168,20 +184,16 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   for (std::size_t piece = 0; piece < pieces; ++piece) {
     ResistanceBetween between(resistance, apart);
     const auto velocity = record.read(stretch.first + piece * length, length);
-    std::vector<std::complex<double>> spectrum(lines * modes.size());  // (line, mode)
-    std::vector<EndLine> ends;
+    const PieceSpectrum spectrum(fourier, velocity);
+    const std::vector<EndLine>& ends = spectrum.ends;
     for (std::size_t k = 0; k < modes.size(); ++k) {
-      const EndLine& end = ends.emplace_back(velocity[k]);
-      const auto of_mode =
-          lines_of(fourier, length, [&](std::size_t n) { return velocity[k][n] - end.at(n); });
-      for (std::size_t j = 0; j < lines; ++j) spectrum[j * modes.size() + k] = of_mode[j];
       const double mean =
           std::inner_product(velocity[k].begin(), velocity[k].end(), velocity[k].begin(), 0.0) /
           static_cast<double>(length * pieces);
       found.damping_power += 2 * modes[k].zeta * modes[k].mass * modes[k].omega * mean;
     }
     for (std::size_t j = 1; j < lines; ++j) {
-      const std::complex<double>* v = &spectrum[j * modes.size()];
+      const std::complex<double>* v = &spectrum.lines[j * modes.size()];
       double squares = 0;  // <v^2> is that of the whole elastic motion
       for (std::size_t k = 0; k < modes.size(); ++k) {
         const bool bends = modes[k].omega > 0;

@@ -78,9 +78,9 @@ Verdict judge(const Movement& m, double accuracy) {
 
 double pairs_needed(const Movement& m, double accuracy) {
   if (judge(m, accuracy) != Verdict::open) return m.pairs;
-  const double room = std::abs(accuracy - std::abs(m.relative));
+  const double left = std::abs(accuracy - std::abs(m.relative));
   // close to the limit no number will do
-  return room > 0 ? std::max(m.pairs + 1.0, m.pairs * std::pow(2 * m.error / room, 2))
+  return left > 0 ? std::max(m.pairs + 1.0, m.pairs * std::pow(2 * m.error / left, 2))
                   : std::numeric_limits<double>::infinity();
 }
 

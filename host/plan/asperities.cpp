@@ -69,8 +69,8 @@ std::size_t highest_summit(const std::vector<double>& face) {
 std::vector<Summit> find_summits(const Model& m) {
   const Scene& scene = m.scene;
   const double travel = scene.speed * scene.duration;
-  const double room = most_nodes / static_cast<double>(m.nodes());
-  const int places = travel > 0 ? std::clamp(static_cast<int>(room), 1, most_places) : 1;
+  const double affordable = most_nodes / static_cast<double>(m.nodes());
+  const int places = travel > 0 ? std::clamp(static_cast<int>(affordable), 1, most_places) : 1;
   std::vector<Summit> all, touching;
   std::vector<double> face;
   for (int i = 0; i < places; ++i) {

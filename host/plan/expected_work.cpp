@@ -18,7 +18,7 @@ namespace {
 
 /// Steps of the adaptive scheme in a second. Between linear faces one ends where a node passes
 /// another. Otherwise the fastest mode and the contacts set them.
-double strides_a_second(const Scene& scene, double highest, double nodes_in_contact) {
+double steps_a_second(const Scene& scene, double highest, double nodes_in_contact) {
   const double radians = 2 * M_PI * highest;
   if (scene.faces == Faces::smooth)  // a formula of order 8
     return step_costs::smooth_steps_a_radian * radians *
@@ -58,11 +58,11 @@ struct SceneCount {
 
 constexpr double ns = 1e-9;
 
-/// Sets strides and march of a scene with `adaptive`; `highest`: Hz, its fastest mode.
+/// Sets steps and march of a scene with `adaptive`; `highest`: Hz, its fastest mode.
 void estimate_adaptive(const Scene& scene, const SceneCount& count, double highest,
                        ExpectedWork& work) {
   const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
-  work.strides = 1 + scene.duration * strides_a_second(scene, highest, count.touching);
+  work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching);
   const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
                            (count.areal ? step_costs::row_groups : 0.0);
   const double step = (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
@@ -70,14 +70,14 @@ void estimate_adaptive(const Scene& scene, const SceneCount& count, double highe
                                    : 1 + step_costs::usual_more_share * (count.touching - 1));
   work.march =
       ns *
-      (work.strides *
+      (work.steps *
            (count.wide * (step + terms * count.forces * step_costs::travelling_force) + all_nodes) +
        scene.duration * scene.speed / scene.spacing * step_costs::leap);
 }
 
-/// Sets strides and march of a scene with fixed steps.
+/// Sets steps and march of a scene with fixed steps.
 void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& work) {
-  work.strides = scene.duration / scene.time.step;
+  work.steps = scene.duration / scene.time.step;
   const bool held = holds_forces(scene);
   const int stages = scheme_table(scene.time.scheme).stages;
   const int evaluations = held ? 2 : stages;  // held: without and with the contact's force
@@ -98,7 +98,7 @@ void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& w
           ? step_costs::pressed * std::pow(std::min(count.touching, step_costs::pressed_at_most), 3)
           : 0.0;
   // in contact half of the time
-  work.march = ns * work.strides *
+  work.march = ns * work.steps *
                (count.wide * (0.5 * (step_costs::flight + in_contact + more + solved) +
                               stages * count.forces * step_costs::travelling_force) +
                 all_nodes);

@@ -7,14 +7,14 @@
 namespace ra2d {
 
 struct ExpectedWork {
-  double strides = 0;    // steps that the march makes; of the adaptive scheme those it chooses
+  double steps = 0;      // steps that the march makes; of the adaptive scheme those it chooses
   double march = 0;      // s of one thread
   double readiness = 0;  // s of one thread: surfaces, static start, tables
   double seconds() const { return march + readiness; }
 };
 
 /// With a contact half of the time, as rough faces have it: `contact_width` [m] wide, or one node
-/// where that is 0. The strides of `adaptive` are right within a factor of 3
+/// where that is 0. The steps of `adaptive` are right within a factor of 3
 /// (tests/host/test_plan.cpp counts them), the seconds within as much on the machine that they were
 /// measured on. Where hundreds of nodes lie on one another all the time a run takes longer:
 /// 'ra2d plan' says how long at the worst.

@@ -167,7 +167,7 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
 /// which the last terms of its velocity, about theta^(n-2)/(n-2)!, are the tolerance; and where a
 /// node touches or lets go, each once in half a period of the contact spring (`omega_c`) at the
 /// most.
-void plan_strides(const Model& model, double omega_c, Plan& plan) {
+void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const Scene& scene = model.scene;
   const double tolerance = scene.time.tolerance.value_or(usual_tolerance);
   const int n = series_order(tolerance);
@@ -590,7 +590,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   plan.own.choice = choice_of(scene);
   plan.samples = model.kept_samples();
   if (is_adaptive(scene))
-    plan_strides(model, omega_c, plan);
+    plan_adaptive_steps(model, omega_c, plan);
   else
     plan_steps(model, place, plan);
   plan.memory = memory;

@@ -23,9 +23,9 @@ inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_ne
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
 // Of areal scenes, from runs of scenes/areal.toml at spacings of 64 to 8 um. Steps over those that
-// plan_strides counts: by the fastest motion and by nodes that touch or let go; for each node in
-// contact that passes another. What a step looks at beside the nodes in contact. Nodes in contact
-// on average, over those of the static start.
+// plan_adaptive_steps counts: by the fastest motion and by nodes that touch or let go; for each
+// node in contact that passes another. What a step looks at beside the nodes in contact. Nodes in
+// contact on average, over those of the static start.
 inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_groups = 25000,
                         row_contacts = 0.7;
 // Of their fixed steps, a stage in contact; each node more, a mode.

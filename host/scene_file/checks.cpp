@@ -170,13 +170,13 @@ void check_rows(const Scene& s, Document& document) {
     return document.fault("slider.width", fmt::format("{} m is wider than the resonator: expected "
                                                       "at most resonator.width, {} m",
                                                       width, s.resonator.width));
-  const double side = s.side.value_or(0), room = s.resonator.width - width;
-  if (side < 0 || side > room + rounding * s.resonator.width)
-    document.fault(
-        "scene.side",
-        fmt::format("{} m: the slider leaves the resonator's edge by {:.6g} m: expected "
-                    "a place from 0 to {} m, or no key: it stands in the middle then",
-                    side, side < 0 ? -side : side - room, room > 0 ? at_most(room) : "0"));
+  const double side = s.side.value_or(0), farthest = s.resonator.width - width;
+  if (side < 0 || side > farthest + rounding * s.resonator.width)
+    document.fault("scene.side",
+                   fmt::format("{} m: the slider leaves the resonator's edge by {:.6g} m: expected "
+                               "a place from 0 to {} m, or no key: it stands in the middle then",
+                               side, side < 0 ? -side : side - farthest,
+                               farthest > 0 ? at_most(farthest) : "0"));
   const double rows = map_rows(width, spacing_y);
   const std::string key = spacing_y != s.spacing ? "scene.spacing_y" : "scene.spacing";
   if (rows < 2)
@@ -302,19 +302,19 @@ void check_path(const Scene& s, Document& document) {
     document.fault("scene.start", fmt::format("the slider overhangs the resonator's left end by "
                                               "{:.6g} m: expected start >= 0",
                                               -s.start));
-  const double room = s.resonator.length - s.slider.length;
+  const double farthest = s.resonator.length - s.slider.length;
   const double travel = s.speed * s.duration;
-  const double excess = s.start + travel - room;
+  const double excess = s.start + travel - farthest;
   if (!(excess > rounding * s.resonator.length)) return;
   std::vector<std::string> cures;
   const auto cure = [&](const char* key, double bound, const char* unit) {
     if (bound > 0) cures.push_back(fmt::format("{} <= {} {}", key, at_most(bound), unit));
   };
   if (travel > 0) {
-    cure("duration", (room - s.start) / s.speed, "s");
-    cure("speed", (room - s.start) / s.duration, "m/s");
+    cure("duration", (farthest - s.start) / s.speed, "s");
+    cure("speed", (farthest - s.start) / s.duration, "m/s");
   }
-  cure("start", room - travel, "m");
+  cure("start", farthest - travel, "m");
   if (cures.empty()) cures.emplace_back("start = 0 with speed = 0");  // no room to spare
   document.fault(
       to_blame({{"scene.start", s.start, 0.1}, speed_of(s), duration_of(s)}),
@@ -361,12 +361,12 @@ void check_modes(const Scene& s, Document& document) {
   const BodySpec& body = first ? s.resonator : s.slider;
   const std::string name = first ? "resonator" : "slider";
   const int rigid = rigid_mode_count(body);
-  const int room = most - std::min(resonator, slider) - rigid;
-  std::string cure = fmt::format("at most {} here", room);
-  if (room < 1)
+  const int most_elastic = most - std::min(resonator, slider) - rigid;
+  std::string cure = fmt::format("at most {} here", most_elastic);
+  if (most_elastic < 1)
     cure = "fewer on each body";
   else if (!body.modes)
-    cure = fmt::format("less than {} Hz", at_most(elastic_frequency(body, room)));
+    cure = fmt::format("less than {} Hz", at_most(elastic_frequency(body, most_elastic)));
   const std::string count =
       total >= counted ? fmt::format("{} or more", counted) : fmt::format("{}", total);
   const std::string key = name + (body.modes ? ".modes" : ".max_frequency");

@@ -257,7 +257,7 @@ void take_damping(NewScene& scene, const std::string& answer) {
            "per cent of critical damping");
   scene.damping = {value, toml_number(value)};
 }
-double room_of(const NewScene& scene) {
+double free_path(const NewScene& scene) {
   return scene.resonator.length.value - scene.slider.length.value;
 }
 void take_duration(NewScene& scene, const std::string& answer) {
@@ -266,11 +266,11 @@ void take_duration(NewScene& scene, const std::string& answer) {
     return;
   }
   const GivenNumber duration = with_unit(answer, "s");
-  if (!(scene.speed.value * duration.value <= room_of(scene)))
+  if (!(scene.speed.value * duration.value <= free_path(scene)))
     refuse(answer,
            fmt::format("takes the slider beyond the resonator's end: expected at most {:.3g} "
                        "s at this speed",
-                       room_of(scene) / scene.speed.value));
+                       free_path(scene) / scene.speed.value));
   scene.duration = duration;
 }
 
@@ -453,8 +453,8 @@ NewScene usual_new_scene() {
 }
 
 std::string new_scene_text(const NewScene& scene, const fs::path& file) {
-  const double room = room_of(scene);
-  if (!(room > 0))
+  const double path = free_path(scene);
+  if (!(path > 0))
     throw RequestError(
         fmt::format("the slider, {:g} m long, is not shorter than the resonator, {:g} "
                     "m: there is no room to slide",
@@ -465,11 +465,11 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
   GivenNumber duration = scene.duration;
   if (!(duration.value > 0)) {
     duration.value =
-        round_down(std::min(longest_new_run, share_of_path * room / scene.speed.value));
+        round_down(std::min(longest_new_run, share_of_path * path / scene.speed.value));
     duration.toml = duration.value < 1 ? fmt::format("\"{:g} ms\"", duration.value * 1e3)
                                        : fmt::format("\"{:g} s\"", duration.value);
   }
-  const double start = (room - scene.speed.value * duration.value) / 2;
+  const double start = (path - scene.speed.value * duration.value) / 2;
   const double highest = highest_frequency(spec_of(scene.resonator, Support::pinned), fewest_modes,
                                            most_resonator_modes);
   const double spacing = spacing_of_new_scene(scene, highest);

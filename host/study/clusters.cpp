@@ -20,8 +20,8 @@ double square_of_products(const Eigen::MatrixXd& d) {
 
 /// Huynh and Feldt's share of the degrees of freedom, from that of Box and Greenhouse and Geisser.
 double share_of_freedom(double box, double terms, double clusters_less_1) {
-  const double rank = terms * box, room = clusters_less_1 - rank;
-  const double share = room > 0 ? ((clusters_less_1 + 1) * rank - 2) / (terms * room) : 1.0;
+  const double rank = terms * box, freedom = clusters_less_1 - rank;
+  const double share = freedom > 0 ? ((clusters_less_1 + 1) * rank - 2) / (terms * freedom) : 1.0;
   return clusters_less_1 < 2 ? 1 / terms : std::clamp(share, 1 / terms, 1.0);
 }
 

@@ -90,6 +90,14 @@ Scene StudyPoints::combination(std::size_t point) const {
   return parse_scene(study_.base_text, study_.base, overrides(place(point)));
 }
 
+Scene StudyPoints::combination(std::size_t point, const std::optional<ParsedText>& base) const {
+  if (base) try {
+      return parse_scene(*base, study_.base, overrides(place(point)));
+    } catch (const RequestError&) {  // once more, with the lines of the text
+    }
+  return combination(point);
+}
+
 Scene StudyPoints::scene(std::size_t point) const {
   Scene scene = combination(point);
   shift_seeds(scene, study_.seeds[point % study_.seeds.size()]);
@@ -187,13 +195,6 @@ PointCensus::PointCensus(const StudyPoints& points,
   keys.resize(points.size());
   costs.resize(points.size());
 
-  const auto scene_of = [&](std::size_t point) {
-    if (base) try {
-        return parse_scene(*base, study.base, points.overrides(points.place(point)));
-      } catch (const RequestError&) {  // once more, with the lines of the text
-      }
-    return points.combination(point);
-  };
   const auto count = [&](const Scene& scene, std::size_t first_point, std::size_t first,
                          std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
@@ -204,7 +205,7 @@ PointCensus::PointCensus(const StudyPoints& points,
   };
   const auto take = [&](std::size_t combination) {
     const std::size_t point = combination * seeds.size();
-    const Scene scene = scene_of(point);
+    const Scene scene = points.combination(point, base);
     std::fill_n(costs.begin() + static_cast<std::ptrdiff_t>(point), seeds.size(),
                 static_cast<float>(expected_work(scene).seconds()));
     if (scene.kind == SceneKind::areal) {

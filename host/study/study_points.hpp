@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/scene/scene.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "host/study/scene_key.hpp"
 #include "host/study/study_file.hpp"
 
@@ -38,6 +40,8 @@ class StudyPoints {
  private:
   std::vector<std::string> overrides(const std::vector<std::size_t>& place) const;
   Scene combination(std::size_t point) const;
+  /// `base`: the study's scene, parsed, if it can be.
+  Scene combination(std::size_t point, const std::optional<ParsedText>& base) const;
   friend struct PointCensus;
   Study study_;
   std::size_t combinations_ = 1;

@@ -371,14 +371,7 @@ class AdaptiveMarch {
       }
     }
 
-    if (!recorder_.drive_samples(series_, tick_, now_, ticks)) return false;
-    recorder_.add_drive(series_, place, tick_, ticks, end);
-    series_.squares(end, there.square);
-    for (int p = 0; p < packs; ++p) there.square[p] = now_.square[p] + there.square[p];
-    now_ = there;
-    if (state_.carried.contacts.count > 0 && lanes_.leader())
-      state_.carried.control.shape_terms = series_.wanted_terms();
-    tick_ += ticks;
+    if (!keep_drive(place, there, ticks, end)) return false;
     if (release <= end) contacts_.end(end);
     if (onset) {
       contacts_.begin(flagged, end);
@@ -393,6 +386,20 @@ class AdaptiveMarch {
       overlaps_.discard_start();
     else
       keep_overlaps(place);
+    return true;
+  }
+
+  /// Records a step of so many ticks and goes to its end. False when its samples do not fit.
+  KOKKOS_FORCEINLINE_FUNCTION bool keep_drive(const Place& place, Modes& there, std::int64_t ticks,
+                                              double end) {
+    if (!recorder_.drive_samples(series_, tick_, now_, ticks)) return false;
+    recorder_.add_drive(series_, place, tick_, ticks, end);
+    series_.squares(end, there.square);
+    for (int p = 0; p < packs; ++p) there.square[p] = now_.square[p] + there.square[p];
+    now_ = there;
+    if (state_.carried.contacts.count > 0 && lanes_.leader())
+      state_.carried.control.shape_terms = series_.wanted_terms();
+    tick_ += ticks;
     return true;
   }
 
@@ -422,8 +429,16 @@ class AdaptiveMarch {
   /// A step in contact between smooth faces.
   RA2D_FUNCTION bool drive_on_smooth_faces(const Place& place, std::int64_t available) {
     using Drive = SmoothDrive<Lanes, packs>;
-    Drive make_step(lanes_, tables_, state_, path_, node_contact(), moving_forces_, overlaps_,
-                    contacts_, recorder_, now_, place);
+    CarriedState& carried = state_.carried;
+    WorkSpace& work = state_.work;
+    const SmoothStep<Lanes, packs> step(lanes_, tables_.modes, tables_.motion, tables_.adaptive,
+                                        tables_.forces, tables_.stages, node_contact(),
+                                        work.contact_list, work.series.forces,
+                                        carried.control.series_scale, now_, place, work.stages);
+    Drive make_step(lanes_, tables_.modes, tables_.motion, tables_.bounds, tables_.faces,
+                    tables_.adaptive, tables_.forces, path_, node_contact(), moving_forces_,
+                    overlaps_, contacts_, recorder_, step, carried.contacts, carried.control,
+                    carried.shocks, work, state_.out.ended_shocks);
     switch (make_step(now_, tick_, place, available, smooth_start_)) {
       case Drive::Outcome::made:
         return true;

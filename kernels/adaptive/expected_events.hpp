@@ -36,13 +36,14 @@ class ExpectedEvents {
         speed_{motion.advance / motion.time_step} {}
 
   /// The first of each within `horizon` [s], in the listed cells. `force`: at the beginning, of
-  /// each listed cell, `stride` apart. Runs of cells are taken as one contact. `stays_open` becomes
-  /// 1 for each listed cell that is open and will be for a quarter longer, else 0.
+  /// each listed cell, one every `apart` numbers. Runs of cells are taken as one contact.
+  /// `stays_open` becomes 1 for each listed cell that is open and will be for a quarter longer,
+  /// else 0.
   RA2D_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
-                                 const int* cells, int count, const double* force, int stride,
+                                 const int* cells, int count, const double* force, int apart,
                                  double horizon, int* stays_open) const {
     Real third[packs];
-    third_derivative(u, v, acceleration, cells, count, force, stride, third);
+    third_derivative(u, v, acceleration, cells, count, force, apart, third);
     Times times;
     for (int e = 0; e < count;) {
       bool closed = false, ends = true;  // contact at the beginning; all are free at the end
@@ -52,11 +53,11 @@ class ExpectedEvents {
         last = cells[e];
         const ForeseenCell path = foresee(cells[e], u, v, acceleration, third);
         const double now = path.highest_after(0.0), then = path.highest_after(horizon);
-        const bool open = force[e * stride] == 0.0 && now < 0.0 && then < 0.0 &&
+        const bool open = force[e * apart] == 0.0 && now < 0.0 && then < 0.0 &&
                           path.highest_after(0.5 * horizon) < 0.0 &&
                           path.highest_after(1.25 * horizon) < 0.0;
         if (lanes_.leader()) stays_open[e] = open ? 1 : 0;
-        closed = closed || force[e * stride] > 0.0;
+        closed = closed || force[e * apart] > 0.0;
         ends = ends && then < 0.0;
         if (now > 0.0 && then < 0.0)
           release = Kokkos::max(release, path.crossing(horizon, now, then));
@@ -94,12 +95,12 @@ class ExpectedEvents {
 
   /// u''' = F'/m - 2 zeta omega u'' - omega^2 u'
   RA2D_FUNCTION void third_derivative(const Real* u, const Real* v, const Real* acceleration,
-                                      const int* cells, int count, const double* force, int stride,
+                                      const int* cells, int count, const double* force, int apart,
                                       Real* third) const {
     Real rate[packs];
     for (int p = 0; p < packs; ++p) rate[p] = Real(0.0);
     for (int e = 0; e < count; ++e)
-      if (force[e * stride] > 0.0)
+      if (force[e * apart] > 0.0)
         node_contact_.add_force_rate(cells[e], place_, u, v, speed_, rate);
     for (int p = 0; p < packs; ++p) {
       const Real omega = load_pack(lanes_, modes_.omega, p);

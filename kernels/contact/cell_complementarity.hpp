@@ -23,27 +23,6 @@ struct CellPoint {
   double at;  // chi, from the middle of the cell
 };
 
-/// Where a cubic is highest in [from, to].
-KOKKOS_INLINE_FUNCTION double highest_place(const Cubic& o, double from, double to) {
-  double best = from, most = o(from);
-  const auto take = [&](double x) {
-    if (!(x > from && x <= to)) return;  // nor what is not a number
-    const double value = o(x);
-    if (!(value > most)) return;
-    most = value;
-    best = x;
-  };
-  const double a = 3.0 * o.c[3], b = o.c[2], c = o.c[1];  // of the slope: a x^2 + 2 b x + c
-  const double discriminant = Kokkos::fma(b, b, -a * c);
-  if (discriminant > 0.0) {
-    const double q = -(b + Kokkos::copysign(Kokkos::sqrt(discriminant), b));
-    take(c / q);
-    take(q / a);
-  }
-  take(to);
-  return best;
-}
-
 /// Lagrange multipliers between smooth faces: no overlap anywhere along the slider, and force only
 /// where it is zero (kernels/contact/complementarity.hpp says what holds at nodes, and how the dual
 /// active set method finds it). Here the conditions are infinitely many, one for each place. The
@@ -153,7 +132,7 @@ class CellComplementarity {
       const double sum = forces_.total();
       if (sum > most) most = sum;
       // roundings of the modes' sums are rarely met, and could otherwise turn in circles
-      if (round == 4) wide = rounding_of(now, u);
+      if (round == 4) wide = displacement_rounding<Lanes, packs>(lanes_, bounds_, now, u);
     }
     if (result == Solution::solved && forces_.count() > 0) finish(place, u, v, totals);
     forces_.clear();
@@ -183,22 +162,13 @@ class CellComplementarity {
       const CellOverlap overlap = cells_.overlap(cell, place.theta, cells_.displacement(phi, u));
       for (int i = 0; i < 2; ++i) {
         if (is_open(overlap.side[i])) continue;
-        const double at = highest_place(overlap.side[i], overlap.from(i), overlap.to(i));
-        if (!(overlap.side[i](at) > over)) continue;
-        over = overlap.side[i](at);
-        worst = {cell, at};
+        const Highest highest = highest_on(overlap.side[i], overlap.from(i), overlap.to(i));
+        if (!(highest.value > over)) continue;
+        over = highest.value;
+        worst = {cell, highest.place};
       }
     }
     return worst;
-  }
-
-  /// Bound on the rounding of an overlap's sum over the modes, as in Complementarity.
-  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
-    Real part(0.0);
-    for (int p = 0; p < packs; ++p)
-      part = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
-                          Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
-    return rounding(0) * lanes_.sum(part);
   }
 
   /// The end of the step, and the record of the cells that carry force, in ascending order.

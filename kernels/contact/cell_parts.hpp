@@ -166,11 +166,26 @@ class CellParts {
     high = Kokkos::max(none, Kokkos::min(high, upper));
     low = if_positive(at_lower, lower, low);
     high = if_positive(at_upper, upper, high);
-    // positive where there is contact, and where a root is to be found
+    // positive where there is contact
     const Real concave = if_positive(half_curvature, Real(-1.0), Real(1.0)),
                closed = Kokkos::min(concave, if_positive(top, Real(1.0), Real(-1.0)));
-    Real seek_low = if_positive(at_lower, Real(-1.0), closed),
-         seek_high = if_positive(at_upper, Real(-1.0), closed), seek(-1.0);
+    const Real seek = find_roots(q, lower, upper, if_positive(at_lower, Real(-1.0), closed),
+                                 if_positive(at_upper, Real(-1.0), closed), low, high);
+    const Real centre = Real(0.5) * (low + high), h = Real(0.5) * (high - low);
+    store_integrals(first, q, centre, (centre + summit) + middle, if_positive(closed, h, none));
+    // the others
+    const std::uint32_t others = lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
+    lanes_.sync();
+    if (lanes_.leader())
+      for (std::uint32_t bits = others; bits != 0; bits &= bits - 1)
+        integrate_alone(first + Kokkos::Experimental::countr_zero_builtin(bits));
+  }
+  /// Improves the roots `low` and `high` of a cubic between `lower` and 0, and 0 and `upper`, where
+  /// `seek_low` and `seek_high` are positive. Positive where one of them is not found.
+  RA2D_FUNCTION Real find_roots(const Real* q, const Real& lower, const Real& upper, Real seek_low,
+                                Real seek_high, Real& low, Real& high) const {
+    const Real none(0.0);
+    Real seek(-1.0);
     for (int i = 0; i < 8; ++i) {
       // Halley's steps, by one division
       Real l[4], r[4];
@@ -190,14 +205,7 @@ class CellParts {
       seek = Kokkos::max(seek_low, seek_high);
       if (lanes_.at_least(seek, 1.0) == 0) break;
     }
-    const Real centre = Real(0.5) * (low + high), h = Real(0.5) * (high - low);
-    store_integrals(first, q, centre, (centre + summit) + middle, if_positive(closed, h, none));
-    // the others
-    const std::uint32_t others = lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
-    lanes_.sync();
-    if (lanes_.leader())
-      for (std::uint32_t bits = others; bits != 0; bits &= bits - 1)
-        integrate_alone(first + Kokkos::Experimental::countr_zero_builtin(bits));
+    return seek;
   }
   RA2D_FUNCTION void integrate_alone(int part) const {
     Cubic o, f;

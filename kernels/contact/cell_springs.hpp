@@ -95,7 +95,8 @@ class CellSprings {
       // the least force that moves a node as far
       pushed /= scene.most_compliance;
       if (pushed > most) most = pushed;
-      if (distance <= contact_.tolerance + rounding_of(now, u)) {
+      if (distance <=
+          contact_.tolerance + displacement_rounding<Lanes, packs>(lanes_, bounds_, now, u)) {
         finish(place, d, next, u, v, list, totals);
         return Solution::solved;
       }
@@ -344,14 +345,6 @@ class CellSprings {
   }
   KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
     return products_.factor[static_cast<std::int64_t>(row) * products_.capacity + column];
-  }
-
-  /// Bound on the rounding of an overlap's sum over the modes, as in Complementarity.
-  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
-    Real part(0.0);
-    for (int p = 0; p < packs; ++p)
-      part = multiply_add(largest_shape(p), Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
-    return rounding(0) * lanes_.sum(part);
   }
 
   /// The end of the step, and the record of the contact there.

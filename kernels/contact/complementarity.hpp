@@ -263,7 +263,7 @@ class Complementarity {
       const double sum = forces_.total();
       if (sum > most) most = sum;
       // roundings of the modes' sums are rarely met, and could otherwise turn in circles
-      if (round == 4) wide = rounding_of(now, u);
+      if (round == 4) wide = displacement_rounding<Lanes, packs>(lanes_, bounds_, now, u);
     }
     if (result == Solution::solved && forces_.count() > 0) finish(place, u, v, totals);
     forces_.clear();
@@ -327,7 +327,8 @@ class Complementarity {
         slope[p] = next_slope[p];
       }
       const bool rested = rests;
-      rests = lanes_.sum(moved) <= contact_.tolerance + rounding_of(now, u);
+      rests = lanes_.sum(moved) <=
+              contact_.tolerance + displacement_rounding<Lanes, packs>(lanes_, bounds_, now, u);
       if (!rests || !rested) continue;
       list_contacts(place, now, nodes, totals);
       end_step(place, u, v, totals);
@@ -427,16 +428,6 @@ class Complementarity {
   }
   KOKKOS_FORCEINLINE_FUNCTION double& factor(int row, int column) const {
     return active_.factor[static_cast<std::int64_t>(row) * active_.capacity + column];
-  }
-
-  /// Bound on the rounding of an overlap's sum over the modes [m], and of the displacement `u`
-  /// itself: of what the forces make of `free`, roundings of the larger of the two are left.
-  RA2D_FUNCTION double rounding_of(const Real* u, const Real* free) const {
-    Real part(0.0);
-    for (int p = 0; p < packs; ++p)
-      part = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
-                          Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
-    return rounding(0) * lanes_.sum(part);
   }
 
   /// The node that overlaps most, by more than `over`, among those without force; or -1.

@@ -3,12 +3,15 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/check.hpp"
 #include "kernels/contact/cell_contact.hpp"
-#include "kernels/contact/node_contact.hpp"
+#include "kernels/contact/cell_parts.hpp"
+#include "kernels/displacement.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
 #include "kernels/state.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 
@@ -21,6 +24,52 @@ struct CellOverlap {
   KOKKOS_FORCEINLINE_FUNCTION double to(int i) const { return i == 0 ? knot : 0.5; }
 };
 
+/// Rows of an expanded cell (expand_cell).
+enum CellRow : int { cell_path = 0, cell_slider = 4, cell_rows = 7 };
+inline constexpr int cell_numbers = 12;
+
+/// Expands one cell over one window, about its middle: as for a node the shapes of all modes there,
+/// resonator's as cubics of the offset (cell_path); then the slider's derivatives psi', psi''/2 and
+/// psi'''/6 along the cell (cell_slider). The resonator's follow from its cubics: offset and place
+/// in the cell add up. `face`: the cubics of CellFaces. A pure function of cell and window.
+template <class Lanes, int packs>
+KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& motion,
+                                        const FaceTables& faces, const SliderShapes& slider,
+                                        const PatchTables& patches, const Place& place, int cell,
+                                        double* shape, double* face) {
+  using Real = typename Lanes::Real;
+  RA2D_CHECK(cell >= 0 && cell < faces.nodes - 1);
+  const int at = place.base + cell;
+  Real c[cell_rows][packs];
+  Real path[4][packs];
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
+                             at + 0.5 + (place.part + 0.5) * motion.window_width, path);
+  for (int p = 0; p < packs; ++p) {
+    for (int m = 0; m < 4; ++m) c[m][p] = path[m][p];
+    for (int m = cell_slider; m < cell_rows; ++m) c[m][p] = Real(0.0);
+  }
+  const std::int64_t row = slider.row;
+  for (int k = 0; k < slider.modes; ++k)
+    for (int p = 0; p < packs; ++p) {
+      const Real unit = lanes.load(slider.unit + (k * packs + p) * Lanes::width);
+      const double* own = slider.cell + 4 * k * row + cell;
+      c[0][p] = multiply_add(own[0], unit, c[0][p]);
+      for (int m = 1; m < 4; ++m)
+        c[cell_slider + m - 1][p] = multiply_add(own[m * row], unit, c[cell_slider + m - 1][p]);
+    }
+  for (int m = 0; m < cell_rows; ++m)
+    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
+  if (lanes.leader()) {
+    const double *h1 = faces.height1 + cell, *b1 = faces.curvature1 + cell;
+    const double *h2 = faces.height2 + at, *b2 = faces.curvature2 + at;
+    const Cubic pieces[3] = {spline_piece(h1[0], h1[1], b1[0], b1[1]).about(0.5),
+                             spline_piece(h2[0], h2[1], b2[0], b2[1]),
+                             spline_piece(h2[1], h2[2], b2[1], b2[2])};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 4; ++j) face[4 * i + j] = pieces[i].c[j];
+  }
+}
+
 /// Cells as expand_cell leaves them (Caches), at a place of the slider's path.
 template <class Lanes, int packs>
 class ExpandedCells {
@@ -31,26 +80,33 @@ class ExpandedCells {
   RA2D_FUNCTION ExpandedCells(const Lanes& lanes, const Caches& caches)
       : lanes_{lanes}, caches_{caches} {}
 
-  /// The resonator's share of the shapes along a cell, phi_j eta^j for j = 1, 2, 3: what changes as
-  /// the slider moves.
+  /// Shapes of both bodies' modes of a pack along a cell, sum_j phi_j eta^j, and of these the
+  /// resonator's share for j = 1, 2, 3: what changes as the slider moves.
+  KOKKOS_FORCEINLINE_FUNCTION void along(int cell, const Real& offset, int p, Real* phi,
+                                         Real* path) const {
+    const Real c1 = row(cell, 1, p), c2 = row(cell, 2, p), c3 = row(cell, 3, p);
+    const Real& x = offset;
+    phi[0] = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, row(cell, 0, p));
+    path[1] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
+    path[2] = multiply_add(Real(3.0) * c3, x, c2);
+    path[3] = c3;
+    for (int j = 1; j < 4; ++j) phi[j] = path[j] + row(cell, cell_slider + j - 1, p);
+  }
+  /// Those of all modes, and the resonator's share of them.
+  RA2D_FUNCTION void shapes(int cell, double offset, Real (*phi)[packs]) const {
+    const Real x(offset);
+    for (int p = 0; p < packs; ++p) {
+      Real all[4], moving[4];
+      along(cell, x, p, all, moving);
+      for (int j = 0; j < 4; ++j) phi[j][p] = all[j];
+    }
+  }
   RA2D_FUNCTION void path(int cell, double offset, Real (*phi)[packs]) const {
     const Real x(offset);
     for (int p = 0; p < packs; ++p) {
-      const Real c3 = row(cell, 3, p);
-      phi[1][p] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * row(cell, 2, p)), x,
-                               row(cell, 1, p));
-      phi[2][p] = multiply_add(Real(3.0) * c3, x, row(cell, 2, p));
-      phi[3][p] = c3;
-    }
-  }
-  /// Shapes of the modes of both bodies along a cell, sum_j phi_j eta^j.
-  RA2D_FUNCTION void shapes(int cell, double offset, Real (*phi)[packs]) const {
-    path(cell, offset, phi);
-    const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
-      const Real c2 = multiply_add(row(cell, 3, p), x, row(cell, 2, p));
-      phi[0][p] = multiply_add(multiply_add(c2, x, row(cell, 1, p)), x, row(cell, 0, p));
-      for (int j = 1; j < 4; ++j) phi[j][p] = phi[j][p] + row(cell, cell_slider + j - 1, p);
+      Real all[4], moving[4];
+      along(cell, x, p, all, moving);
+      for (int j = 1; j < 4; ++j) phi[j][p] = moving[j];
     }
   }
   /// sum_j phi_j eta^j
@@ -73,16 +129,32 @@ class ExpandedCells {
   }
   /// The overlap in a cell that moved by `displacement`.
   RA2D_FUNCTION CellOverlap overlap(int cell, double theta, const Cubic& displacement) const {
-    const Cubic moving = cubic(cell, 0) + displacement;
+    const Cubic moving = own(cell) + displacement;
     return {{moving + passing(cell, 0, theta), moving + passing(cell, 1, theta)}, 0.5 - theta};
   }
   /// The rough faces' part of the overlap at a place of a cell [m].
   RA2D_FUNCTION double face(int cell, double theta, double eta) const {
-    return cubic(cell, 0)(eta) + passing(cell, eta > 0.5 - theta ? 1 : 0, theta)(eta);
+    return own(cell)(eta) + passing(cell, eta > 0.5 - theta ? 1 : 0, theta)(eta);
   }
   /// Slope of the resonator's face there [m/chi].
   RA2D_FUNCTION double rise(int cell, double theta, double eta) const {
     return passing(cell, eta > 0.5 - theta ? 1 : 0, theta).slope(eta);
+  }
+  /// The slider's face along the cell.
+  KOKKOS_FORCEINLINE_FUNCTION Cubic own(int cell) const { return cubic(cell, 0); }
+  /// A piece of the resonator's face, about the middle of the cell.
+  KOKKOS_FORCEINLINE_FUNCTION Cubic passing(int cell, int side, double theta) const {
+    return cubic(cell, 1 + side).about(theta + 0.5 - side);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION CellFaces faces(int cell) const {
+    return {cubic(cell, 0), {cubic(cell, 1), cubic(cell, 2)}};
+  }
+  /// Where an expanded cell stands in the caches.
+  KOKKOS_FORCEINLINE_FUNCTION double* cell_shapes(int cell) const {
+    return caches_.node_shape + static_cast<std::int64_t>(cell) * (cell_rows * packs * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double* cell_face(int cell) const {
+    return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
   }
 
  private:
@@ -90,16 +162,11 @@ class ExpandedCells {
   const Caches& caches_;
 
   KOKKOS_FORCEINLINE_FUNCTION Real row(int cell, int m, int p) const {
-    return lanes_.load(caches_.node_shape +
-                       ((static_cast<std::int64_t>(cell) * cell_rows + m) * packs + p) * width);
+    return lanes_.load(cell_shapes(cell) + (m * packs + p) * width);
   }
   KOKKOS_FORCEINLINE_FUNCTION Cubic cubic(int cell, int i) const {
-    const double* c = caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers + 4 * i;
+    const double* c = cell_face(cell) + 4 * i;
     return {{c[0], c[1], c[2], c[3]}};
-  }
-  /// A piece of the resonator's face, about the middle of the cell.
-  KOKKOS_FORCEINLINE_FUNCTION Cubic passing(int cell, int side, double theta) const {
-    return cubic(cell, 1 + side).about(theta + 0.5 - side);
   }
 };
 

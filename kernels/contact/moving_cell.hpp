@@ -9,31 +9,6 @@
 /// sees it (kernels/adaptive/onsets.hpp).
 namespace ra2d {
 
-/// A place along a cell, and the value there.
-struct Highest {
-  double value, place;
-
-  KOKKOS_FORCEINLINE_FUNCTION void take(double v, double x) {
-    if (!(v > value)) return;
-    value = v;
-    place = x;
-  }
-};
-
-/// Where a cubic is largest on [from, to].
-KOKKOS_INLINE_FUNCTION Highest highest_on(const Cubic& p, double from, double to) {
-  Highest highest{p(from), from};
-  highest.take(p(to), to);
-  const double a = 3.0 * p.c[3], b = p.c[2], c = p.c[1];  // of the slope, a x^2 + 2 b x + c
-  const double discriminant = Kokkos::fma(b, b, -a * c);
-  if (discriminant > 0.0) {
-    const double root = Kokkos::sqrt(discriminant);  // where the slope falls: a x + b = -root
-    const double x = b < 0.0 ? c / (root - b) : (-b - root) / a;
-    if (x > from && x < to) highest.take(p(x), x);
-  }
-  return highest;
-}
-
 /// The overlap along a cell, and its rate, on each side of the resonator's node within the cell.
 struct MovingCell {
   Cubic overlap[2], rate[2];

@@ -6,6 +6,7 @@
 #include "kernels/check.hpp"
 #include "kernels/contact/cell_contact.hpp"
 #include "kernels/contact/cell_parts.hpp"
+#include "kernels/contact/expanded_cells.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "kernels/contact/penalty.hpp"
 #include "kernels/displacement.hpp"
@@ -67,52 +68,6 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
   }
 }
 
-/// Rows of an expanded cell (expand_cell).
-enum CellRow : int { cell_path = 0, cell_slider = 4, cell_rows = 7 };
-inline constexpr int cell_numbers = 12;
-
-/// Expands one cell over one window, about its middle: as for a node the shapes of all modes there,
-/// resonator's as cubics of the offset (cell_path); then the slider's derivatives psi', psi''/2 and
-/// psi'''/6 along the cell (cell_slider). The resonator's follow from its cubics: offset and place
-/// in the cell add up. `face`: the cubics of CellFaces. A pure function of cell and window.
-template <class Lanes, int packs>
-KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& motion,
-                                        const FaceTables& faces, const SliderShapes& slider,
-                                        const PatchTables& patches, const Place& place, int cell,
-                                        double* shape, double* face) {
-  using Real = typename Lanes::Real;
-  RA2D_CHECK(cell >= 0 && cell < faces.nodes - 1);
-  const int at = place.base + cell;
-  Real c[cell_rows][packs];
-  Real path[4][packs];
-  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
-                             at + 0.5 + (place.part + 0.5) * motion.window_width, path);
-  for (int p = 0; p < packs; ++p) {
-    for (int m = 0; m < 4; ++m) c[m][p] = path[m][p];
-    for (int m = cell_slider; m < cell_rows; ++m) c[m][p] = Real(0.0);
-  }
-  const std::int64_t row = slider.row;
-  for (int k = 0; k < slider.modes; ++k)
-    for (int p = 0; p < packs; ++p) {
-      const Real unit = lanes.load(slider.unit + (k * packs + p) * Lanes::width);
-      const double* own = slider.cell + 4 * k * row + cell;
-      c[0][p] = multiply_add(own[0], unit, c[0][p]);
-      for (int m = 1; m < 4; ++m)
-        c[cell_slider + m - 1][p] = multiply_add(own[m * row], unit, c[cell_slider + m - 1][p]);
-    }
-  for (int m = 0; m < cell_rows; ++m)
-    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
-  if (lanes.leader()) {
-    const double *h1 = faces.height1 + cell, *b1 = faces.curvature1 + cell;
-    const double *h2 = faces.height2 + at, *b2 = faces.curvature2 + at;
-    const Cubic pieces[3] = {spline_piece(h1[0], h1[1], b1[0], b1[1]).about(0.5),
-                             spline_piece(h2[0], h2[1], b2[0], b2[1]),
-                             spline_piece(h2[1], h2[2], b2[1], b2[2])};
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 4; ++j) face[4 * i + j] = pieces[i].c[j];
-  }
-}
-
 /// Contact detection and penalty contact force at single nodes, each one product over the modes, or
 /// (smooth faces) in single cells.
 template <class Lanes, int packs>
@@ -134,6 +89,7 @@ class NodeContact {
         marks_{marks},
         caches_{caches},
         contact_list_{contact_list},
+        cells_{lanes, caches},
         node_slot_{marks.node_slot} {}
 
   /// Expands the listed nodes that are not expanded for this window yet. False where areal scenes
@@ -148,7 +104,7 @@ class NodeContact {
       lanes_.sync();
       if (faces_.smooth) [[unlikely]]
         expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
-                                  cell_shapes(node), cell_face(node));
+                                  cells_.cell_shapes(node), cells_.cell_face(node));
       else
         expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
                                   caches_.node_shape + node_offset(node),
@@ -192,14 +148,13 @@ class NodeContact {
   /// these change by `rate` and the slider moves by `slide_rate` [chi].
   RA2D_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
                                        const Real* rate, double slide_rate) const {
-    const double* c = cell_shapes(cell);
     const Real x(place.offset);
     Real part[4], rising[4], slope[3];
     for (int j = 0; j < 4; ++j) part[j] = rising[j] = Real(0.0);
     for (int j = 0; j < 3; ++j) slope[j] = Real(0.0);
     for (int p = 0; p < packs; ++p) {
       Real phi[4], path[4];
-      along_cell(c, x, p, phi, path);
+      cells_.along(cell, x, p, phi, path);
       for (int j = 0; j < 4; ++j) {
         part[j] = multiply_add(phi[j], u[p], part[j]);
         rising[j] = multiply_add(phi[j], rate[p], rising[j]);
@@ -214,7 +169,7 @@ class NodeContact {
     lanes_.sum(rising[2], rising[3], modes.c[2], modes.c[3]);
     lanes_.sum(slope[0], slope[1], d1, d2);
     lanes_.sum(slope[2], Real(0.0), d3, none);
-    const CellFaces faces = faces_of(cell);
+    const CellFaces faces = cells_.faces(cell);
     MovingCell moving;
     moving.knot = 0.5 - place.theta;
     moving.curvature = moving.slope = 0.0;
@@ -240,13 +195,12 @@ class NodeContact {
 
   /// Smooth faces: sum_k x_k psi_k along an expanded cell.
   RA2D_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
-    const double* c = cell_shapes(cell);
     const Real offset(place.offset);
     Real part[4];
     for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
     for (int p = 0; p < packs; ++p) {
       Real phi[4], path[4];
-      along_cell(c, offset, p, phi, path);
+      cells_.along(cell, offset, p, phi, path);
       for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j], x[p], part[j]);
     }
     Cubic sum;
@@ -256,7 +210,7 @@ class NodeContact {
   }
   /// A piece of the resonator's face, about the middle of an expanded cell.
   KOKKOS_FORCEINLINE_FUNCTION Cubic passing(int cell, const Place& place, int side) const {
-    return faces_of(cell).passing[side].about(place.theta + 0.5 - side);
+    return cells_.passing(cell, side, place.theta);
   }
   /// Smooth faces: adds the rate [N/s] of the modal contact force of an expanded cell while the
   /// displacements u change by v and the slider moves by `speed` [chi/s]. What the shapes change by
@@ -271,11 +225,10 @@ class NodeContact {
                       side == 0 ? moving.knot : 0.5, [&](double left, double right) {
                         add_closed(moving.rate[side], Cubic{}, left, right, sum);
                       });
-    const double* c = cell_shapes(cell);
     const Real offset(place.offset);
     for (int p = 0; p < packs; ++p) {
       Real phi[4], path[4];
-      along_cell(c, offset, p, phi, path);
+      cells_.along(cell, offset, p, phi, path);
       for (int j = 0; j < 4; ++j)
         rate[p] = multiply_add(-contact_.node_stiffness * sum.moment[j], phi[j], rate[p]);
     }
@@ -325,35 +278,6 @@ class NodeContact {
   }
 
  private:
-  KOKKOS_FORCEINLINE_FUNCTION double* cell_shapes(int cell) const {
-    return caches_.node_shape + static_cast<std::int64_t>(cell) * (cell_rows * packs * width);
-  }
-  /// Shapes along a cell, phi_j eta^j, and of these the resonator's share, which moves (path_1 to
-  /// path_3); `c`: the expanded cell, x: the window's offset.
-  KOKKOS_FORCEINLINE_FUNCTION void along_cell(const double* c, const Real& x, int p, Real* phi,
-                                              Real* path) const {
-    const auto row = [&](int m) { return lanes_.load(c + width * (m * packs + p)); };
-    const Real c1 = row(1), c2 = row(2), c3 = row(3);
-    phi[0] = multiply_add(multiply_add(multiply_add(c3, x, c2), x, c1), x, row(0));
-    path[1] = multiply_add(multiply_add(Real(3.0) * c3, x, Real(2.0) * c2), x, c1);
-    path[2] = multiply_add(Real(3.0) * c3, x, c2);
-    path[3] = c3;
-    for (int j = 1; j < 4; ++j) phi[j] = path[j] + row(cell_slider + j - 1);
-  }
-  KOKKOS_FORCEINLINE_FUNCTION CellFaces faces_of(int cell) const {
-    const double* face = cell_face(cell);
-    CellFaces faces;
-    for (int j = 0; j < 4; ++j) {
-      faces.own.c[j] = face[j];
-      faces.passing[0].c[j] = face[4 + j];
-      faces.passing[1].c[j] = face[8 + j];
-    }
-    return faces;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION double* cell_face(int cell) const {
-    return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
-  }
-
   /// Contact between smooth faces, in the listed cells.
   RA2D_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
                                              int count, Real* force, bool recorded) const {
@@ -365,7 +289,7 @@ class NodeContact {
       // as many cells as there is room for
       parts.clear();
       for (; e < count && parts.has_room(); ++e)
-        parts.add_cell(cells[e], faces_of(cells[e]), place.theta, along(cells[e], place, u));
+        parts.add_cell(cells[e], cells_.faces(cells[e]), place.theta, along(cells[e], place, u));
       if (parts.count() == 0) continue;
       parts.integrate();
       for (int part = 0; part < parts.count();) {
@@ -391,11 +315,10 @@ class NodeContact {
     const double spring = contact_.node_stiffness;  // of a whole cell
     const double* m = contact.moment;
     const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
-    const double* c = cell_shapes(cell);
     const Real x(offset);
     for (int p = 0; p < packs; ++p) {
       Real phi[4], path[4];
-      along_cell(c, x, p, phi, path);
+      cells_.along(cell, x, p, phi, path);
       Real sum = multiply_add(-f0, phi[0], force[p]);
       sum = multiply_add(-f1, phi[1], sum);
       sum = multiply_add(-f2, phi[2], sum);
@@ -492,6 +415,7 @@ class NodeContact {
   Marks& marks_;
   Caches& caches_;
   ContactList& contact_list_;
+  ExpandedCells<Lanes, packs> cells_;
   int* node_slot_;  // Marks
 };
 

@@ -234,11 +234,11 @@ TEST(ExpectedWork, IsWithinAFactorOfThreeOfTheStridesMade) {
     Scene s = paper;
     change(s);
     const auto made = static_cast<double>(simulate(s).end.steps_made);
-    const double expected = expected_work(s).strides;
+    const double expected = expected_work(s).steps;
     EXPECT_GT(expected, made / 3) << what << ": " << made << " made";
     EXPECT_LT(expected, made * 3) << what << ": " << made << " made";
     EXPECT_GT(expected_work(s).march, 0.3e-6 * made)
-        << what;  // s: a stride takes some microseconds
+        << what;  // s: a step takes some microseconds
     EXPECT_LT(expected_work(s).march, 30e-6 * made) << what;
   };
   check("as it is", [](Scene&) {});
@@ -257,7 +257,7 @@ TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
   Scene s = pressed_plate();
   s.duration = 1e-3;
   s.time.step = 1e-7;
-  EXPECT_NEAR(expected_work(s).strides, 1e4, 1e-6);
+  EXPECT_NEAR(expected_work(s).steps, 1e4, 1e-6);
   const double once = expected_work(s).march;
   s.time.scheme = SchemeKind::rk4;
   EXPECT_GT(expected_work(s).march, 3 * once);  // four stages

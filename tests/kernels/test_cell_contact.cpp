@@ -120,13 +120,14 @@ TEST(AddContact, NothingWhereItIsOpenAndAllWhereItIsClosed) {
   EXPECT_EQ(all.face_work, 6);
 }
 
-TEST(HighestPlace, IsAsHighAsAnyOfMany) {
+TEST(HighestOn, IsAsHighAsAnyOfMany) {
   Dice dice(3);
   int within = 0;
   for (int trial = 0; trial < 400; ++trial) {
     const Cubic o = random_cubic(dice);
     const double from = dice.uniform(-0.5, 0), to = dice.uniform(0, 0.5);
-    const double place = highest_place(o, from, to);
+    const auto [value, place] = highest_on(o, from, to);
+    EXPECT_EQ(value, o(place));
     ASSERT_GE(place, from);
     ASSERT_LE(place, to);
     within += place > from && place < to;
@@ -135,9 +136,9 @@ TEST(HighestPlace, IsAsHighAsAnyOfMany) {
       EXPECT_LE(o(from + (to - from) * i / parts), o(place) + 8 * eps) << "trial " << trial;
   }
   EXPECT_GT(within, 60);
-  EXPECT_EQ(highest_place({{1, 0, 0, 0}}, -0.5, 0.25), -0.5);
-  EXPECT_EQ(highest_place({{1, 2, 0, 0}}, -0.5, 0.25), 0.25);
-  EXPECT_EQ(highest_place({{std::nan(""), 0, 0, 0}}, -0.5, 0.25), -0.5);
+  EXPECT_EQ(highest_on({{1, 0, 0, 0}}, -0.5, 0.25).place, -0.5);
+  EXPECT_EQ(highest_on({{1, 2, 0, 0}}, -0.5, 0.25).place, 0.25);
+  EXPECT_EQ(highest_on({{std::nan(""), 0, 0, 0}}, -0.5, 0.25).place, -0.5);
 }
 
 /// The force is the slope of the contact's energy: so energy can close.
@@ -200,7 +201,7 @@ TEST(CellParts, AreEachTheIntegralOverItself) {
       if (dice.one_in(3)) {  // just in contact, or just not
         const Cubic o = rest + faces.passing[0].about(theta + 0.5);
         rest.c[0] +=
-            dice.uniform(-1, 3) * dice.ratio(1e-12, 1e-3) - o(highest_place(o, -0.5, 0.5 - theta));
+            dice.uniform(-1, 3) * dice.ratio(1e-12, 1e-3) - highest_on(o, -0.5, 0.5 - theta).value;
       }
       for (Cubic* cubic : {&rest, &faces.passing[0], &faces.passing[1]})
         for (double& c : cubic->c) c *= size;

@@ -52,15 +52,15 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
     march_on_pack(lanes, begin);
     lanes.state().out.samples.count = lanes.state().out.ended_shocks.count = 0;
   }
-  const std::int64_t steps = carried.step, strides = carried.adaptive_steps,
+  const std::int64_t ticks = carried.step, adaptive_steps = carried.adaptive_steps,
                      touching = carried.sums.contact_steps;
   const Program& program = programs.of(lanes.tables().scheme.form);
   PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::in_step);
   warp.check_races(false);
   march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
-  const double units =
-      static_cast<double>(stretch.scheme == SchemeKind::adaptive ? carried.adaptive_steps - strides
-                                                                 : carried.step - steps);
+  const double steps = static_cast<double>(stretch.scheme == SchemeKind::adaptive
+                                               ? carried.adaptive_steps - adaptive_steps
+                                               : carried.step - ticks);
   std::ofstream lines;
   if (lines_folder != nullptr)
     lines.open(std::filesystem::path(lines_folder) / (std::string(stretch.name) + ".lines"));
@@ -74,12 +74,12 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   if (lines_folder != nullptr && !lines.flush())
     throw std::runtime_error(fmt::format("{} cannot be written to", lines_folder));
   return {{"march", MarchPrograms::name(lanes.tables().scheme.form)},
-          {"counted", units},
+          {"counted", steps},
           {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) /
-                             static_cast<double>(carried.step - steps)},
-          {"ptx_instructions", all / units},
-          {"loads", loads / units},
-          {"sums", static_cast<double>(warp.reductions()) / units},
+                             static_cast<double>(carried.step - ticks)},
+          {"ptx_instructions", all / steps},
+          {"loads", loads / steps},
+          {"sums", static_cast<double>(warp.reductions()) / steps},
           {"local_bytes", program.local_bytes()}};
 }
 

@@ -90,9 +90,9 @@ def _levels(axes: Any, shown: list[tuple[int, Result]]) -> None:
     _level_limits(axes, np.concatenate([levels for _, levels in found]), 1)
 
 
-def _level_limits(axes: Any, levels: style.Array, room: float, label: str = f"level [{DECIBEL}]") -> None:
+def _level_limits(axes: Any, levels: style.Array, margin: float, label: str = f"level [{DECIBEL}]") -> None:
     finite = levels[np.isfinite(levels)]
-    axes.set_ylim(max(finite.min(), finite.max() - 80) - room, finite.max() + room)
+    axes.set_ylim(max(finite.min(), finite.max() - 80) - margin, finite.max() + margin)
     axes.set_ylabel(label)
 
 

@@ -100,9 +100,9 @@ def offsets(trace: float, first: float, width: float) -> list[float]:
     >>> offsets(0.1, 0.0, 0.02)
     [0.02, 0.04, 0.06, 0.08]
     """
-    room = 1e-9 * trace
-    right = math.floor((trace - first - width + room) / width)
-    left = math.floor((first + room) / width)
+    slack = 1e-9 * trace
+    right = math.floor((trace - first - width + slack) / width)
+    left = math.floor((first + slack) / width)
     return [k * width for k in range(1, right + 1)] + [-k * width for k in range(1, left + 1)]
 
 

@@ -117,9 +117,9 @@ class _Panel:
         axes.set_xlabel(_axis_name(self.name, unit))
         axes.set_ylabel(f"level [{DECIBEL}]")
         places = np.array(list(self.place.values()))  # also those without a run
-        room = 0.06 * np.ptp(np.log(places) if self.log else places) if self.numeric else 0.5
+        margin = 0.06 * np.ptp(np.log(places) if self.log else places) if self.numeric else 0.5
         low, high = places.min(), places.max()
-        axes.set_xlim(*((low / np.exp(room), high * np.exp(room)) if self.log else (low - room, high + room)))
+        axes.set_xlim(*((low / np.exp(margin), high * np.exp(margin)) if self.log else (low - margin, high + margin)))
         handles = []
         if self.colour:
             shades, unit = words(by_colour, self.unit(self.colour))
@@ -192,8 +192,8 @@ def varied(study: Study) -> list[str]:
 def _set_limits(axes: Any, means: pd.DataFrame) -> None:
     """Intervals of few seeds reach far: the levels decide."""
     low, high = means["level"].min(), means["level"].max()
-    room = max(2.0, 0.12 * (high - low))
-    axes.set_ylim(low - room, high + room)
+    margin = max(2.0, 0.12 * (high - low))
+    axes.set_ylim(low - margin, high + margin)
 
 
 def panel(study: Study, law: Law | None, name: str, width: float, height: float) -> Picture:
