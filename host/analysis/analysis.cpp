@@ -285,6 +285,8 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.modal_damping = scene ? scene->resonator.damping : quiet_nan;
   a.probe_position = contents.probe_position;
   a.slider_probe_position = contents.slider_probe_position;
+  a.probe_y = contents.probe_y;
+  a.slider_probe_y = contents.slider_probe_y;
   std::copy_if(contents.resonator_frequency.begin(), contents.resonator_frequency.end(),
                std::back_inserter(a.natural_frequencies), [](double f) { return f > 0; });
   a.aliased_modes = static_cast<std::size_t>(

@@ -71,9 +71,10 @@ struct Analysis {
   double energy_per_shock = 0;  // J, given to the beams; NaN without shocks or without a balance
   VelocitySpectrum spectrum;
   BandLevels bands;
-  std::vector<double> probe_position;         // m, on the resonator
-  std::vector<double> slider_probe_position;  // m, on the slider
-  std::vector<double> natural_frequencies;    // Hz, of the resonator's elastic modes
+  std::vector<double> probe_position;           // m, on the resonator
+  std::vector<double> slider_probe_position;    // m, on the slider
+  std::vector<double> probe_y, slider_probe_y;  // m, across them, of an areal scene
+  std::vector<double> natural_frequencies;      // Hz, of the resonator's elastic modes
   /// Elastic modes of the resonator above half the rate of the samples: their power stands in
   /// spectrum and bands at frequencies that are not theirs.
   std::size_t aliased_modes = 0;

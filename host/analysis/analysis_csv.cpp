@@ -17,7 +17,8 @@ namespace {
 void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text,
                  const char* last = "") {
   for (std::size_t p = 0; p < a.probe_position.size(); ++p)
-    text += fmt::format(",{}_probe{}_at_{:g}_m{}", quantity, p + 1, a.probe_position[p], unit);
+    text += fmt::format(",{}_probe{}_at_{:g}{}_m{}", quantity, p + 1, a.probe_position[p],
+                        a.probe_y.empty() ? "" : fmt::format("_{:g}", a.probe_y[p]), unit);
   text += last;
   text += '\n';
 }

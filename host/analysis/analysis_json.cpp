@@ -151,6 +151,14 @@ Json power_json(const Analysis& a) {
           {"inertia_of_air", p.inertia}};
 }
 
+/// Places as the scene has them: x, or in an areal scene [x, y].
+Json places_json(const std::vector<double>& x, const std::vector<double>& y) {
+  if (y.empty()) return x;
+  Json list = Json::array();
+  for (std::size_t i = 0; i < x.size(); ++i) list.push_back({x[i], y[i]});
+  return list;
+}
+
 Json analysis_json(const Analysis& a) {
   Json json{{"file", a.file.string()},
             {"title", a.title},
@@ -179,8 +187,8 @@ Json analysis_json(const Analysis& a) {
               {"rise", a.mesh.rise},
               {"rise_by_chance", a.mesh.by_chance},
               {"stands_out", a.mesh.stands_out()}}},
-            {"probes", a.probe_position},
-            {"slider_probes", a.slider_probe_position}};
+            {"probes", places_json(a.probe_position, a.probe_y)},
+            {"slider_probes", places_json(a.slider_probe_position, a.slider_probe_y)}};
   if (!a.bands.level_a.empty()) json["lv_a"] = a.lv_a;
   if (!a.microphones.empty()) json["microphones"] = microphones_json(a);
   if (a.power) json["power"] = power_json(a);

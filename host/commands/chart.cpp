@@ -55,7 +55,6 @@ void require_outputs(std::vector<std::string> outputs,
 Scene chart_scene(const SceneOptions& common) {
   Scene scene = common.scene.empty() ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
                                      : read_scene(common.scene, common.overrides);
-  require_plane(scene, "chart");
   return scene;
 }
 

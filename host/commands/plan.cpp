@@ -49,7 +49,6 @@ int plan_scene(const PlanRequest& request) {
 int plan_accuracy(PlanRequest& request) {
   const SceneOptions& common = request.common;
   const Scene scene = read_scene(common.scene, common.overrides);
-  require_plane(scene, "plan --accuracy");
   if (request.output.empty()) request.output = common.scene.stem().string() + "-planned.toml";
   require_derived_output(request.output, files_of(scene));
 

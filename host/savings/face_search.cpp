@@ -38,7 +38,7 @@ const Trial& try_faces(SavingsSearch& search, Faces faces, double spacing, doubl
   const Scene& written = search.out.written;
   const auto change = [faces, spacing](Scene& s) {
     s.faces = faces;
-    s.spacing = spacing;
+    set_spacing(s, spacing);
   };
   std::string what = chooses ? faces_text(faces, spacing) : fmt::format("{:g} um", spacing * 1e6);
   if (faces == written.faces && spacing == written.spacing) what += ", as written";
@@ -52,7 +52,7 @@ const Trial& try_faces(SavingsSearch& search, Faces faces, double spacing, doubl
 double cost_with(const SavingsSearch& search, Faces faces, double spacing) {
   Scene scene = search.base->scene();
   scene.faces = faces;
-  scene.spacing = spacing;
+  set_spacing(scene, spacing);
   try {
     return measure_cost(scene, 0.004 * search.options.budget);
   } catch (const RequestError&) {

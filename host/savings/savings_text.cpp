@@ -252,6 +252,8 @@ std::vector<std::string> set_words(const Savings& s) {
     set(fmt::format("time.tolerance={}", to.time.tolerance.value_or(usual_tolerance)));
   if (from.faces != to.faces) set(fmt::format("scene.faces={}", face_choices.name(to.faces)));
   if (from.spacing != to.spacing) set(fmt::format("scene.spacing={}", to.spacing));
+  if (from.spacing_y != to.spacing_y)
+    set(fmt::format("scene.spacing_y={}", to.spacing_y.value_or(to.spacing)));
   if (from.resonator.modes != to.resonator.modes)
     set(modes_word("resonator", from.resonator, to.resonator.modes.value_or(0)));
   if (from.slider.modes != to.slider.modes)

@@ -65,7 +65,8 @@ void compare_with_larger_models(SavingsSearch& search, double until) {
   const Scene& from = search.base->scene();
   const double spacing = search.whole.spacing / 2;
   list.push_back(changed(
-      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { s.spacing = spacing; }, from));
+      "scene.spacing", spacing_text(spacing), [spacing](Scene& s) { set_spacing(s, spacing); },
+      from));
   const auto more = [&](const char* key, BodySpec Scene::*body, int modes) {
     list.push_back(
         changed(key, modes_text(search.whole.*body, modes), with_modes(body, modes), from));
@@ -79,7 +80,7 @@ void compare_with_larger_models(SavingsSearch& search, double until) {
       ++modes;
     more("resonator.modes", &Scene::resonator, modes);
   }
-  if (search.whole.slider.support != Support::rigid)
+  if (search.whole.slider.support != Support::rigid && search.whole.slider.kind != BodyKind::block)
     more("slider.modes", &Scene::slider, elastic_modes(model.slider) + 2);
   if (!is_adaptive(search.whole))
     list.push_back(changed(

@@ -33,6 +33,11 @@ void make_areal(Scene& scene) {
     scene.resonator.poisson = scene.resonator.poisson.value_or(usual_poisson);
 }
 
+void set_spacing(Scene& scene, double spacing) {
+  if (scene.spacing_y) *scene.spacing_y *= spacing / scene.spacing;
+  scene.spacing = spacing;
+}
+
 void require_plane(const Scene& scene, const std::string& what) {
   if (scene.kind == SceneKind::areal)
     throw refusal(scene, "scene.kind",

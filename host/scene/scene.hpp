@@ -201,6 +201,10 @@ inline constexpr double usual_tolerance = 1e-8;
 /// Makes a scene areal: sets the kinds of its bodies and the values that follow from other keys.
 void make_areal(Scene& scene);
 
+/// Gives a scene another spacing; of an areal one rows and nodes stay as far apart from each other
+/// as they were, one against the other.
+void set_spacing(Scene& scene, double spacing);
+
 /// Throws RequestError where a scene is areal: `what` is not built for them.
 void require_plane(const Scene& scene, const std::string& what);
 

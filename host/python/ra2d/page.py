@@ -168,7 +168,7 @@ def _cuts(result: Result) -> tuple[list[Sound], str]:
     except RequestError as why:
         return [], f"No sound: {shortened(str(why), LONGEST_DOUBT)}"
     if not any(sound.about["peak_m_per_s"] for sound in cuts):
-        return [], f"The probe at {cuts[0].about['position']:g} m does not move: there is nothing to hear."
+        return [], f"There is nothing to hear: {cuts[0].place()} does not move."
     return cuts, ""
 
 

@@ -199,7 +199,8 @@ class Result:
 
         - `density` [(m/s)^2/Hz]: of the velocity, mean over the resonator
         - `density_probe` (position, frequency), `density_slider_probe` (slider_position,
-          frequency): of the probes' velocity
+          frequency): of the probes' velocity; of an areal scene (probe, frequency) and
+          (slider_probe, frequency), as `probes`
         - `density_force` [N^2/Hz]: of the total contact force
 
         `attrs`: `resolution` [Hz], `segments`, and `low`, `high`: a density times these holds the
@@ -212,19 +213,19 @@ class Result:
         s = found["spectrum"]
         velocity, force = {"units": "m2 s-2 Hz-1"}, {"units": "N2 Hz-1", "long_name": "density of the contact force"}
         lines = len(s["frequency"])
+        along, places = self._probe_places(found["probes"])
+        slider_along, slider_places = self._probe_places(found["slider_probes"], "slider")
         return xr.Dataset(
             {"density": ("frequency", np.array(s["psd_mean"], dtype=float),
                          {**velocity, "long_name": "density of the resonator's velocity"}),
-             "density_probe": (("position", "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
+             "density_probe": ((along, "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
-             "density_slider_probe": (("slider_position", "frequency"), _rows(s["psd_slider_probe"],
-                                                                              len(found["slider_probes"]), lines),
+             "density_slider_probe": ((slider_along, "frequency"), _rows(s["psd_slider_probe"],
+                                                                         len(found["slider_probes"]), lines),
                                       {**velocity, "long_name": "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
-             "position": ("position", found["probes"], {"units": "m", "long_name": "place on the resonator"}),
-             "slider_position": ("slider_position", found["slider_probes"],
-                                 {"units": "m", "long_name": "place on the slider"})},
+             **places, **slider_places},
             {"resolution": s["resolution"], "segments": s["segments"], "low": s["confidence"]["low"],
              "high": s["confidence"]["high"]})
 
@@ -242,21 +243,33 @@ class Result:
         """
         found = self.analysis(**options)
         b = found["bands"]
+        along, places = self._probe_places(found["probes"])
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
         data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
                 "spread": ("frequency", np.array(b["spread"], dtype=float),
                            {"units": "dB", "long_name": "standard deviation over runs"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
-                "level_probe": (("position", "frequency"), _rows(
+                "level_probe": ((along, "frequency"), _rows(
                     b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}
         if "level_a" in b:
             data["level_a"] = ("frequency", np.array(b["level_a"], dtype=float),
                                {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(
             data, {"frequency": ("frequency", b["centre"], {"units": "Hz", "long_name": "midband frequency"}),
-                   "nominal": ("frequency", b["nominal"]),
-                   "position": ("position", found["probes"], {"units": "m", "long_name": "place on the resonator"})},
+                   "nominal": ("frequency", b["nominal"]), **places},
             {"last_mode": b["last_mode"]})
+
+    def _probe_places(self, places: list[Any], body: str = "") -> tuple[str, dict[str, Any]]:
+        """The dimension of an analysis' probes, and their coordinates."""
+        prefix, on = (f"{body}_", body) if body else ("", "resonator")
+        along = {"units": "m", "long_name": f"place on the {on}"}
+        if not self.is_areal:
+            return f"{prefix}position", {f"{prefix}position": (f"{prefix}position", places, along)}
+        probe = f"{prefix}probe"
+        x, y = zip(*places) if places else ((), ())
+        return probe, {probe: (probe, np.arange(1, len(places) + 1)),
+                       f"{prefix}position": (probe, np.array(x, dtype=float), along),
+                       f"{prefix}y": (probe, np.array(y, dtype=float), {"units": "m", "long_name": f"place across the {on}"})}
 
     @property
     def shocks(self) -> pd.DataFrame:

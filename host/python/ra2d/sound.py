@@ -192,7 +192,8 @@ class Sound:
     def _peak(self) -> float:
         return float(self.about[f"peak_{_UNITS[self.about['quantity']][1]}"])
 
-    def _place(self) -> str:
+    def place(self) -> str:
+        """What is heard, and where: "probe 1 at 0.15 m"."""
         a = self.about
         if a["quantity"] == PRESSURE:
             return " and ".join(", ".join(f"{x:g}" for x in place) for place in a["microphones"]) + " m"
@@ -201,7 +202,7 @@ class Sound:
     def _comment(self) -> str:
         a = self.about
         slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        return (f"{a['quantity']} {self._of()}{self._place()}, the value 1.0 is {self.full_scale():g} {self._unit()}; "
+        return (f"{a['quantity']} {self._of()}{self.place()}, the value 1.0 is {self.full_scale():g} {self._unit()}; "
                 f"{a['from']:g} s to {a['to']:g} s{slower}")
 
     def _of(self) -> str:
@@ -232,12 +233,12 @@ class Sound:
         lines.append(("left out", a["left_out"]) if a["quantity"] == PRESSURE else
                      ("what it is", "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
         slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        head = f"{a['quantity']} {self._of()}{self._place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
+        head = f"{a['quantity']} {self._of()}{self.place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
         return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
 
     def __repr__(self) -> str:
         a = self.about
-        place = f"at {self._place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {_at(a)} m"
+        place = f"at {self.place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {_at(a)} m"
         return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self.full_scale():g} "
                 f"{self._unit()}>")
 

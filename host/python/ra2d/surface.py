@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import os
 import pathlib
 from typing import Any
@@ -35,25 +36,36 @@ class Surface(dict[str, Any]):
     {'kind': 'gaussian', 'rq': 8e-06, 'rsm': 0.00155, 'seed': 7}
     """
 
-    def heights(self, length: float, spacing: float) -> xr.DataArray:
+    def heights(self, length: float, spacing: float, width: float | None = None,
+                spacing_y: float | None = None) -> xr.DataArray:
         """Heights [m] over `position` [m], as a body of this `length` [m] with nodes `spacing` [m]
-        apart has them in a run: read, filtered and levelled by the program.
+        apart has them in a run: read, filtered and levelled by the program. With a `width` [m] a
+        map over (y, position), as of the slider of an areal scene; its rows are `spacing_y` [m]
+        apart, without it as far as the nodes.
 
         >>> z = gaussian(rq=8e-6, rsm=1.55e-3, seed=7).heights(0.02, 8e-6)
         >>> z.sizes["position"], f"{float((z**2).mean() ** 0.5):.3g} {z.units}"
         (2501, '8e-06 m')
+        >>> gaussian(rq=8e-6, rsm=1.55e-3, seed=7).heights(0.01, 1e-4, width=0.004).shape
+        (40, 101)
         """
         # two rigid bodies, for one step: the result holds the faces
-        body: dict[str, Any] = {"support": "rigid", "width": 1.0}
-        scene = {"scene": {"duration": 1e-6, "speed": 0.0, "start": 0.0, "spacing": spacing},
-                 "resonator": {**body, "length": length, "surface": self},
-                 "slider": {**body, "length": 4 * spacing},
+        where: dict[str, Any] = {"duration": 1e-6, "speed": 0.0, "start": 0.0, "spacing": spacing}
+        rough: dict[str, Any] = {"support": "rigid", "length": length, "width": width or 1.0, "surface": self}
+        flat = {"support": "rigid", "length": 4 * spacing if width is None else length + 4 * spacing,
+                "width": width or 1.0}
+        if width is None:
+            bodies = {"resonator": rough, "slider": flat}
+        else:  # of the resonator a map's result keeps a strip alone
+            where |= {"kind": "areal", "spacing_y": spacing_y or spacing}
+            bodies = {"resonator": flat, "slider": rough}
+        scene = {"scene": where, **bodies,
                  "contact": {"law": "penalty", "stiffness": 1.0},
                  "time": {"scheme": "exact", "step": 1e-6},
                  "output": {"rate": 1e6}}
         with program.scratch() as folder:
             program.call("run", Scene(scene).file(folder), "-o", folder / "faces.h5", "--quiet")
-            return Result(folder / "faces.h5").profile("resonator").load()
+            return Result(folder / "faces.h5").profile("resonator" if width is None else "slider").load()
 
     def roughness(self, cutoff: float = 2.5e-3, **options: Any) -> pd.Series[float]:
         """Roughness parameters of a measured face, in SI units, by ISO 21920-2 (`ra2d surface
@@ -90,9 +102,9 @@ def gaussian(*, rq: float, seed: int, rsm: float | None = None, correlation_leng
 
 
 def read(path: str | os.PathLike[str], **words: Any) -> Surface:
-    """A measured face: text of two columns, SDF or X3P. `words`: the keys of docs/scene.md for
-    `kind = "file"`: `x_unit`, `z_unit`, `spacing` [m], `form`, `filter`, `cutoff` [m], `row`, ...
-    The path counts from the current folder.
+    """A measured face: text of two columns, SDF or X3P; of an areal scene X3P, SDF, .npy or a text
+    matrix. `words`: the keys of docs/scene.md for `kind = "file"`: `x_unit`, `z_unit`, `spacing`
+    [m], `form`, `filter`, `cutoff` [m], `row`, ... The path counts from the current folder.
 
     >>> face = read(getfixture("profile"), x_unit="mm", z_unit="um", form="line")
     >>> face.heights(0.01, 8e-6).sizes["position"]
@@ -104,25 +116,47 @@ def read(path: str | os.PathLike[str], **words: Any) -> Surface:
     return Surface(kind="file", path=str(path.resolve()), **words)
 
 
-def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] | None = None, **words: Any) -> Surface:
-    """A face from an array of heights [m], 1-D, `spacing` [m] apart. They are written to `path`,
-    without it to a file in the current folder that is named by its content. `words`: as for `read`.
+def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] | None = None, *,
+          spacing_y: float | None = None, **words: Any) -> Surface:
+    """A face from an array of heights [m], `spacing` [m] apart: 1-D, or for an areal scene 2-D, of
+    shape (rows, x), its rows of constant y `spacing_y` [m] apart, without it as far as the points.
+    They are written to `path`, without it to a file in the current folder that is named by its
+    content: .csv, of a map .npy. `words`: as for `read`.
 
     >>> array([0.0, 1e-6, 0.0, 2e-6], spacing=8e-6)["path"].endswith(".csv")
+    True
+    >>> array(np.zeros((30, 40)), spacing=8e-6)["path"].endswith(".npy")
     True
     """
     try:
         z = np.asarray(heights, dtype=float)
     except (TypeError, ValueError) as fault:
         raise RequestError(f"a face is a row of heights in metres: {fault}") from fault
-    if z.ndim != 1 or z.size < 2 or not np.isfinite(z).all():
-        raise RequestError(f"a face is a row of at least two finite heights in metres, not an array of shape {z.shape}"
-                           f" with {np.count_nonzero(~np.isfinite(z))} values that are not finite")
-    if not (isinstance(spacing, int | float | np.number) and 0 < spacing < np.inf):
-        raise RequestError(f"spacing is {spacing!r}: expected a number > 0 (m)")
+    if z.ndim not in (1, 2) or min(z.shape) < 2 or not np.isfinite(z).all():
+        raise RequestError("a face is a row of at least two finite heights in metres, or rows of them, not an array of "
+                           f"shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that are not finite")
+    for name, value in (("spacing", spacing), ("spacing_y", spacing_y)):
+        if value is not None and not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
+            raise RequestError(f"{name} is {value!r}: expected a number > 0 (m)")
+    if z.ndim == 2:
+        return _map(z, float(spacing), float(spacing_y or spacing), path, words)
+    if spacing_y is not None:
+        raise RequestError("spacing_y is of rows: expected heights of shape (rows, x)")
     text = "x [m],z [m]\n" + "".join(f"{i * float(spacing)!r},{height!r}\n" for i, height in enumerate(z.tolist()))
     file = pathlib.Path(path or f"face-{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv")
-    if file.suffix in (".h5", ".toml"):
+    if file.suffix in (".h5", ".toml", ".npy"):
         raise RequestError(f"{str(file)!r}: a face is a text of two columns; expected a name that ends in .csv or .txt")
     files.write(file, text)
     return read(file, **words)
+
+
+def _map(heights: npt.NDArray[np.float64], spacing: float, spacing_y: float, path: str | os.PathLike[str] | None,
+         words: dict[str, Any]) -> Surface:
+    buffer = io.BytesIO()
+    np.save(buffer, np.ascontiguousarray(heights, dtype="<f8"))
+    data = buffer.getvalue()
+    file = pathlib.Path(path or f"face-{hashlib.sha256(data).hexdigest()[:12]}.npy")
+    if file.suffix != ".npy":
+        raise RequestError(f"{str(file)!r}: a map is kept as .npy; expected a name that ends so")
+    files.write_bytes(file, data)
+    return read(file, spacing=spacing, spacing_y=spacing_y, **words)

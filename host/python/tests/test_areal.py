@@ -56,6 +56,9 @@ def test_probes_have_two_coordinates(areal):
     shape = 2 / np.sqrt(0.3 * 0.2) * np.sin(modes.mode_x * np.pi * 0.1 / 0.3) * np.sin(modes.mode_y * np.pi * 0.13 / 0.2)
     assert np.allclose(probes.displacement.sel(probe=1), (modes.displacement * shape).sum("mode"), rtol=1e-9, atol=1e-20)
     assert areal.listen(2).about["y"] == 0.1
+    for found in (areal.spectrum().density_probe, areal.bands().level_probe):
+        assert found.dims == ("probe", "frequency")
+        assert [*zip(found.position.values, found.y.values)] == [(0.1, 0.13), (0.15, 0.1)]
 
 
 def test_shocks_stand_on_the_plate_under_the_block(areal):
@@ -137,3 +140,17 @@ def test_uncertainty_of_measured_maps_is_refused_by_name(areal, folder):
                                                       "spacing": 50e-6, "spacing_y": 50e-6}})
     with pytest.raises(ra2d.RequestError, match="slider.surface.*areal"):
         ra2d.uncertainty(measured, seeds=2, folder=folder / "measured", show=False)
+
+
+def test_arrays_are_maps(areal, folder):
+    random = np.random.default_rng(1)
+    z = 1e-6 * random.normal(size=(60, 130))
+    face = ra2d.surface.array(z, 50e-6, folder / "face.npy", spacing_y=100e-6)
+    taken = face.heights(0.004, 50e-6, width=0.002, spacing_y=100e-6)
+    assert taken.dims == ("y", "position")
+    assert np.allclose(taken.values, (z - z.mean())[:20, :81], rtol=0, atol=1e-20)  # some roundings
+    for refused in (lambda: ra2d.surface.array(z, 50e-6, spacing_y=0), lambda: ra2d.surface.array(z[0], 50e-6, spacing_y=1e-4),
+                    lambda: ra2d.surface.array(z[:1], 50e-6), lambda: ra2d.surface.array(z, 50e-6, folder / "face.csv"),
+                    lambda: face.heights(0.004, 50e-6)):
+        with pytest.raises(ra2d.RequestError):
+            refused()
