@@ -19,7 +19,7 @@ template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double* weight,
                                                 const typename Lanes::Real* x) {
   typename Lanes::Real part = lanes.load(weight) * Kokkos::abs(x[0]);
-  for (int p = 1; p < packs; ++p)
+  for (int p = 1; p < filled<packs>(lanes); ++p)
     part = multiply_add(lanes.load(weight + p * Lanes::width), Kokkos::abs(x[p]), part);
   return lanes.sum(part);
 }
@@ -154,7 +154,7 @@ class CandidateGroups {
                           double back) {
     base_ = place.base;
     range_ = range < 1e300 ? range : 1e300;  // not a number, too: then all groups are listed
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(lists_.reference_u + p * width, u[p]);
       lanes_.store(amplitudes_ + p * width, u[p]);
     }
@@ -176,7 +176,8 @@ class CandidateGroups {
           coarse_below <= coarse_below_)) {
       coarse_base_ = place.base;
       coarse_below_ = 4.0 * below;
-      for (int p = 0; p < packs; ++p) lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
       if (faces_.rows.across == nullptr) [[likely]]
         find_coarse(u, place, slope);
       else
@@ -211,7 +212,7 @@ class CandidateGroups {
   /// Distance between u and the displacements at which a list was made [m].
   KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u) const {
     Real away[packs];
-    for (int p = 0; p < packs; ++p) away[p] = u[p] - lanes_.load(from + p * width);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
     return weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, away);
   }
 
@@ -250,7 +251,7 @@ class CandidateGroups {
   /// sum_k U_k psi_k(x) of the resonator in the middle of a patch.
   KOKKOS_FORCEINLINE_FUNCTION double at_centre(int patch, const Real* u) const {
     Real sum = lanes_.load(rows(patch)) * u[0];
-    for (int p = 1; p < packs; ++p)
+    for (int p = 1; p < filled<packs>(lanes_); ++p)
       sum = multiply_add(lanes_.load(rows(patch) + p * width), u[p], sum);
     return lanes_.sum(sum);
   }
@@ -303,7 +304,7 @@ class CandidateGroups {
           faces_.tiles.across + static_cast<std::int64_t>(band) * packs * width;
       Real x[packs];
       lanes_.sync();
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         x[p] = lanes_.load(across + p * width) * u[p];
         lanes_.store(amplitudes_ + p * width, x[p]);
       }

@@ -69,7 +69,7 @@ KOKKOS_INLINE_FUNCTION double displacement_rounding(const Lanes& lanes, const Mo
                                                     const typename Lanes::Real* free) {
   using Real = typename Lanes::Real;
   Real part(0.0);
-  for (int p = 0; p < packs; ++p)
+  for (int p = 0; p < filled<packs>(lanes); ++p)
     part = multiply_add(lanes.load(bounds.largest_shape + p * Lanes::width),
                         Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
   return rounding(0) * lanes.sum(part);
@@ -384,7 +384,7 @@ class Candidates {
   RA2D_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
     const double time = steps * motion_.time_step;
     Real energy[packs], acceleration[packs], rate[packs], displacement[packs], per_newton[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real outer = load_pack(lanes_, bounds_.outer_acceleration, p);
       const Real per_norm = load_pack(lanes_, bounds_.acceleration_per_energy_norm, p);
       const Real stretch = load_pack(lanes_, modes_.omega, p) * u[p];

@@ -39,7 +39,7 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
   using Real = typename Lanes::Real;
   const auto part = [&](int j) {
     Real sum = lanes.load(rows + j * packs * Lanes::width) * amplitude[0];
-    for (int p = 1; p < packs; ++p)
+    for (int p = 1; p < filled<packs>(lanes); ++p)
       sum = multiply_add(lanes.load(rows + (j * packs + p) * Lanes::width), amplitude[p], sum);
     return sum;
   };
@@ -73,7 +73,7 @@ KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const PatchTables& p
   const Real eta((position - (patch + 0.5) * patches.nodes) * patches.inverse_radius);
   const double* rows =
       patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
-  for (int p = 0; p < packs; ++p) {
+  for (int p = 0; p < filled<packs>(lanes); ++p) {
     Real c[most_terms];
     full_series<Lanes, packs>(lanes, patches, rows, p, c);
     value[p] = c[patches.terms - 1];
@@ -91,7 +91,7 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
   const Real eta((position - (patch + 0.5) * patches.nodes) * patches.inverse_radius);
   const double* rows =
       patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
-  for (int p = 0; p < packs; ++p) {
+  for (int p = 0; p < filled<packs>(lanes); ++p) {
     Real c[most_terms];
     full_series<Lanes, packs>(lanes, patches, rows, p, c);
     double unit = 1.0;

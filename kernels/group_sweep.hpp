@@ -41,7 +41,7 @@ class GroupSweep {
       stand_on_row(0);
       return;
     }
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       lanes_.store(amplitudes + p * width, u[p]);
       if (v != nullptr) lanes_.store(amplitudes + (packs + p) * width, v[p]);
     }
@@ -118,8 +118,7 @@ class GroupSweep {
   RA2D_FUNCTION void on_row(const double* rows) {
     Real part[4], rate[4];
     for (int j = 0; j < 4; ++j) part[j] = rate[j] = Real(0.0);
-    const int count = filled_packs<packs>(slider_.first_lane + slider_.modes, width);
-    for (int p = 0; p < count; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real u = lanes_.load(amplitudes_ + p * width);
       const Real v = rates ? lanes_.load(amplitudes_ + (packs + p) * width) : Real(0.0);
       for (int j = 0; j < 4; ++j) {
@@ -145,7 +144,7 @@ class GroupSweep {
     const double* const across =
         faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
     lanes_.sync();
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real share = lanes_.load(across + p * width);
       lanes_.store(amplitudes_ + p * width, share * u_[p]);
       if (v_ != nullptr) lanes_.store(amplitudes_ + (packs + p) * width, share * v_[p]);

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/function.hpp"
+#include "kernels/limits.hpp"
 
 // under nvcc Kokkos' packs hold one value
 #if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON) && !defined(__CUDACC__)
@@ -37,9 +38,10 @@ struct HostLanes {
   using Mask = typename Real::mask_type;
   static constexpr int width = static_cast<int>(Real::size());
 
+  int filled_packs = most_modes;  // that have modes in them
+
   HostLanes() = default;
-  template <class Member>
-  explicit HostLanes(const Member&) {}
+  explicit HostLanes(int modes) : filled_packs{(modes + width - 1) / width} {}
 
   static Real load(const double* p) {
     return Kokkos::Experimental::simd_unchecked_load<Real>(p,
@@ -233,13 +235,19 @@ inline HostLanes::Real if_positive(const HostLanes::Real& test, const HostLanes:
   return Kokkos::Experimental::condition(HostLanes::Real(0.0) < test, a, b);
 }
 
-/// Packs with modes in them; of few packs all, for loops of a known length.
+/// Packs to go through: all, for loops of a known length.
+template <int packs, class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION constexpr int filled(const Lanes&) {
+  return packs;
+}
+/// On a CPU, of many packs those with modes in them. What is beyond these stays as it was: zeros in
+/// the state, nothing in a kernel's own arrays.
 template <int packs>
-KOKKOS_INLINE_FUNCTION int filled_packs(int modes, int width) {
-  if constexpr (packs <= 8)
+KOKKOS_FORCEINLINE_FUNCTION int filled(const HostLanes& lanes) {
+  if constexpr (packs <= 3)
     return packs;
   else
-    return (modes + width - 1) / width;
+    return lanes.filled_packs < packs ? lanes.filled_packs : packs;
 }
 
 /// Pack number `pack` of a row of lanes.

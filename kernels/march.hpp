@@ -17,7 +17,7 @@ namespace ra2d {
 template <class Lanes, int packs>
 RA2D_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, CarriedCopies& now) {
   constexpr int width = Lanes::width;
-  for (int p = 0; p < packs; ++p) {
+  for (int p = 0; p < filled<packs>(lanes); ++p) {
     const int row = p * width;
     lanes.store(now.u + row, lanes.load(carried.modal.u + row));
     lanes.store(now.v + row, lanes.load(carried.modal.v + row));

@@ -16,7 +16,7 @@ void march_listed(const Space& space, const ScenesToMarch& l) {
 #else
 template <Form form, int K>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target) {
-  march_scene<HostLanes, form, K>(HostLanes{}, tables, state, target);
+  march_scene<HostLanes, form, K>(HostLanes(tables.modes.count), tables, state, target);
 }
 /// Compiles the march of one form for the i-th number of packs.
 #define RA2D_MARCH(form, i) \

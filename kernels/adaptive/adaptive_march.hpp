@@ -99,7 +99,7 @@ class AdaptiveMarch {
                   state.work.search.polynomial,
                   state.out},
         tick_{state.carried.step} {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       now_.u[p] = lanes_.load(state_.carried.modal.u + p * width);
       now_.v[p] = lanes_.load(state_.carried.modal.v + p * width);
       now_.square[p] = lanes_.load(state_.carried.modal.square_part + p * width);
@@ -120,7 +120,7 @@ class AdaptiveMarch {
     lanes_.sync();
     if (done && lanes_.leader()) state_.carried.status = Status::done;
     lanes_.sync();
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(state_.carried.modal.u + p * width, now_.u[p]);
       lanes_.store(state_.carried.modal.v + p * width, now_.v[p]);
       lanes_.store(state_.carried.modal.square_part + p * width, now_.square[p]);
@@ -267,7 +267,7 @@ class AdaptiveMarch {
     const std::int64_t window = path_.ticks_to_next_window(place);
     if (window < ticks) ticks = window;
     if (ticks < aimed) {  // over a shorter flight the cubics are more accurate
-      end = flown(ticks);
+      end.take(lanes_, flown(ticks));
       flagged = evaluate_and_flag(place, end, ticks, bounds, rise);
       if (!overlaps_.has_room(flagged)) [[unlikely]]
         return fail(Status::crowded);
@@ -292,7 +292,7 @@ class AdaptiveMarch {
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
     Modes end = flown(ticks);
     series_.state(x, end.u, end.v);  // to the bit where the search found the overlap
-    now_ = end;
+    now_.take(lanes_, end);
     if (ticks > 0) recorder_.add_flight(tick_);
     tick_ += ticks;
     overlaps_.discard_start();
@@ -311,7 +311,7 @@ class AdaptiveMarch {
   /// Ends a flight without contact; the next one is planned for 2^level ticks.
   RA2D_FUNCTION bool end_flight(std::int64_t ticks, const Modes& end, int level) {
     if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
-    now_ = end;
+    now_.take(lanes_, end);
     recorder_.add_flight(tick_);
     tick_ += ticks;
     if (lanes_.leader()) state_.carried.control.flight_level = level;
@@ -320,7 +320,8 @@ class AdaptiveMarch {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION Modes flown(std::int64_t ticks) const {
-    Modes there = now_;
+    Modes there;
+    there.take(lanes_, now_);
     flight_(there.u, there.v, there.square, ticks);
     return there;
   }
@@ -395,8 +396,9 @@ class AdaptiveMarch {
     if (!recorder_.drive_samples(series_, tick_, now_, ticks)) return false;
     recorder_.add_drive(series_, place, tick_, ticks, end);
     series_.squares(end, there.square);
-    for (int p = 0; p < packs; ++p) there.square[p] = now_.square[p] + there.square[p];
-    now_ = there;
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      there.square[p] = now_.square[p] + there.square[p];
+    now_.take(lanes_, there);
     if (state_.carried.contacts.count > 0 && lanes_.leader())
       state_.carried.control.shape_terms = series_.wanted_terms();
     tick_ += ticks;
@@ -481,7 +483,7 @@ class AdaptiveMarch {
       const ContactSet& set = state_.carried.contacts;
       Real force[packs];
       contact.expand(place, set.nodes, set.count);
-      for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
       recorder_.write_last_sample(contact(place, now_.u, set.nodes, set.count, force), now_);
       return true;
     }

@@ -70,7 +70,8 @@ class AdaptiveRecorder {
     // piece and in two has other roundings
     const auto apart = static_cast<std::int64_t>(output_.steps_per_sample);
     std::int64_t at = tick;
-    Modes there = now;
+    Modes there;
+    there.take(lanes_, now);
     for (std::int64_t sample = (tick + apart - 1) / apart * apart; sample < tick + ticks;
          sample += apart) {
       if (is_complete()) break;
@@ -161,7 +162,7 @@ class AdaptiveRecorder {
 
   /// Sums are kept in two parts, so that many small terms are not added to one large number.
   RA2D_FUNCTION void close_parts(Modes& now) const {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(modal_.square + p * width,
                    lanes_.load(modal_.square + p * width) + now.square[p]);
       now.square[p] = Real(0.0);
@@ -217,7 +218,8 @@ class AdaptiveRecorder {
       if (!can_take_sample()) return false;
       Modes there;
       const Contact contact = at(sample_tick() - tick, there);
-      for (int p = 0; p < packs; ++p) there.square[p] = now.square[p] + there.square[p];
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        there.square[p] = now.square[p] + there.square[p];
       write_sample(there, contact);
     }
     return true;
@@ -241,7 +243,7 @@ class AdaptiveRecorder {
     double* row = samples_.rows +
                   static_cast<std::int64_t>(samples_.count) * (2 * packs * width + sample::columns);
     Real loss(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(row + p * width, at.u[p]);
       lanes_.store(row + (packs + p) * width, at.v[p]);
       loss = multiply_add(lanes_.load(modes_.damping + p * width),

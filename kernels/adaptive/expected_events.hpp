@@ -98,11 +98,11 @@ class ExpectedEvents {
                                       const int* cells, int count, const double* force, int apart,
                                       Real* third) const {
     Real rate[packs];
-    for (int p = 0; p < packs; ++p) rate[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) rate[p] = Real(0.0);
     for (int e = 0; e < count; ++e)
       if (force[e * apart] > 0.0)
         node_contact_.add_force_rate(cells[e], place_, u, v, speed_, rate);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real omega = load_pack(lanes_, modes_.omega, p);
       third[p] = multiply_add(load_pack(lanes_, adaptive_.inverse_mass, p), rate[p],
                               -multiply_add(load_pack(lanes_, adaptive_.decay, p), acceleration[p],

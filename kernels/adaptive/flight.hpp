@@ -48,7 +48,7 @@ class Flight {
   /// not grow in free flight, and (omega U, V)' is at most omega (zeta + sqrt(1 + zeta^2)) E.
   RA2D_FUNCTION MotionBounds bounds(const Real* u, const Real* v, double time) const {
     Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real stretch =
           load_pack(lanes_, modes_.omega, p) * (u[p] - load_pack(lanes_, flight_.rest, p));
       const Real e = Kokkos::sqrt(multiply_add(v[p], v[p], stretch * stretch));
@@ -82,7 +82,7 @@ class Flight {
     RA2D_CHECK(level >= 0 && level < flight_.levels);
     const double* rows =
         flight_.rows + static_cast<std::int64_t>(level) * (flight_rows * packs * width);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * packs + p) * width); };
       const Real d = u[p] - load_pack(lanes_, flight_.rest, p), w = v[p];
       u[p] =
@@ -96,7 +96,7 @@ class Flight {
 
   RA2D_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {
     const double time = ticks * motion_.time_step;
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real decay = load_pack(lanes_, adaptive_.decay, p),
                  omega = load_pack(lanes_, modes_.omega, p), stiff = omega * omega;
       const Real d = u[p] - load_pack(lanes_, flight_.rest, p);

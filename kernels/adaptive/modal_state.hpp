@@ -2,6 +2,9 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/function.hpp"
+#include "kernels/lanes.hpp"
+
 namespace ra2d {
 
 /// The modes at one instant.
@@ -10,6 +13,14 @@ struct ModalState {
   using Real = typename Lanes::Real;
   Real u[packs], v[packs];
   Real square[packs];  // integral of V^2 since it was last added to the sums, in ticks
+
+  RA2D_FUNCTION void take(const Lanes& lanes, const ModalState& from) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
+      u[p] = from.u[p];
+      v[p] = from.v[p];
+      square[p] = from.square[p];
+    }
+  }
 };
 
 /// Bounds on the motion of the modes within a step.

@@ -37,7 +37,7 @@ class MovingForceSeries {
   RA2D_FUNCTION std::int64_t expand(std::int64_t tick, double scale) const {
     const Real zero(0.0);
     for (int j = 0; j <= adaptive_.order; ++j)
-      for (int p = 0; p < packs; ++p) lanes_.store(term(j, p), zero);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) lanes_.store(term(j, p), zero);
     double least = 4e18;  // ticks
     for (int i = 0; i < forces_.count; ++i) {
       const MovingForceTable& f = forces_.list[i];
@@ -59,7 +59,7 @@ class MovingForceSeries {
       const double at = x * adaptive_.gauss[g];
       Real v[packs];
       series.velocity(at, v);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         Real force = lanes_.load(term(adaptive_.order, p));
         for (int j = adaptive_.order - 1; j >= 0; --j)
           force = multiply_add(force, Real(at), lanes_.load(term(j, p)));
@@ -111,7 +111,7 @@ class MovingForceSeries {
         f.advance * (scale / motion_.time_step) * patches_.inverse_radius / motion_.spacing;
     const double* rows =
         patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real c[most_terms];
       full_series<Lanes, packs>(lanes_, patches_, rows, p, c);
       Real power(f.force);

@@ -28,17 +28,18 @@ struct PolynomialMotion {
   /// Displacements, and what they change by per x.
   RA2D_FUNCTION void at(const Lanes& lanes, double x, Real* u, Real* rate) const {
     const Real here(x);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       u[p] = load_row(lanes, order, p);
       rate[p] = Real(static_cast<double>(order)) * u[p];
     }
     for (int j = order - 1; j >= 1; --j)
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes); ++p) {
         const Real c = load_row(lanes, j, p);
         u[p] = multiply_add(u[p], here, c);
         rate[p] = multiply_add(rate[p], here, Real(static_cast<double>(j)) * c);
       }
-    for (int p = 0; p < packs; ++p) u[p] = multiply_add(u[p], here, load_row(lanes, 0, p));
+    for (int p = 0; p < filled<packs>(lanes); ++p)
+      u[p] = multiply_add(u[p], here, load_row(lanes, 0, p));
   }
   KOKKOS_FORCEINLINE_FUNCTION Real load_row(const Lanes& lanes, int j, int p) const {
     return lanes.load(rows + (j * packs + p) * width);
@@ -76,7 +77,7 @@ struct PolynomialMotion {
     const Real at(most);
     const double first = most_slide_rate() * spacing, second = change_of_slide_rate() * spacing;
     Real travel(0.0), still(0.0), moving(0.0), fourth_derivative(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       Real d0(0.0), d1(0.0), d2(0.0), d4(0.0);  // of |c_j| x^j
       for (int j = order; j >= 1; --j) {
         const Real c = Kokkos::abs(load_row(lanes, j, p));

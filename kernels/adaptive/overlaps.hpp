@@ -252,7 +252,7 @@ class Overlaps {
     const double time = static_cast<double>(ticks) * motion_.time_step,
                  slide_rate = static_cast<double>(ticks) * motion_.advance;
     Real rate0[packs], rate1[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       rate0[p] = Real(time) * now.v[p];
       rate1[p] = Real(time) * end.v[p];
     }

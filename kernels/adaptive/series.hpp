@@ -99,7 +99,7 @@ class ModalSeries {
     // The modes at the beginning of the step suggest the number of terms. What contact makes of
     // them within the step (of bodies at rest, everything) only the series shows.
     Real amplitude[packs], travel[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       amplitude[p] = Kokkos::abs(u[p]);
       travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
@@ -113,7 +113,7 @@ class ModalSeries {
         expand_terms<3>(u, v, place);
       else
         expand_terms<4>(u, v, place);
-      for (int p = 0; p < packs; ++p) {  // over steps of up to two
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {  // over steps of up to two
         const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
         amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
         travel[p] = c1 + c2;
@@ -139,7 +139,7 @@ class ModalSeries {
     const int order = adaptive_.order;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real mass = load_pack(lanes_, modes_.mass, p),
                  omega = load_pack(lanes_, modes_.omega, p);
       const auto norm = [&](int j) {
@@ -176,15 +176,15 @@ class ModalSeries {
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const int order = adaptive_.order;
     const Real at(x), per(1.0 / scale_);
-    for (int p = 0; p < packs; ++p) u[p] = v[p] = coefficient(order, p);
-    for (int p = 0; p < packs; ++p) v[p] = Real(static_cast<double>(order)) * v[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = coefficient(order, p);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = Real(static_cast<double>(order)) * v[p];
     for (int j = order - 1; j >= 1; --j)
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real c = coefficient(j, p);
         u[p] = multiply_add(u[p], at, c);
         v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * c);
       }
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(u[p], at, coefficient(0, p));
       v[p] = v[p] * per;
     }
@@ -199,7 +199,7 @@ class ModalSeries {
   /// Velocity alone.
   RA2D_FUNCTION void velocity(double x, Real* v) const {
     const Real at(x), per(1.0 / scale_);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       v[p] = Real(static_cast<double>(adaptive_.order)) * coefficient(adaptive_.order, p);
       for (int j = adaptive_.order - 1; j >= 1; --j)
         v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * coefficient(j, p));
@@ -216,12 +216,12 @@ class ModalSeries {
   RA2D_FUNCTION MotionBounds bounds(double x) const {
     const Real at(x);
     Real force[packs];  // bound on |F''|
-    for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
     for (int e = 0; e < contacts_.count; ++e) {
       const Hull& h = hulls_[e];
       const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
       const double* phi = buffers_.shapes + e * (4 * row);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real q1 = Kokkos::abs(load_pack(lanes_, phi + row, p)),
                    q2 = Kokkos::abs(load_pack(lanes_, phi + 2 * row, p)),
                    q3 = Kokkos::abs(load_pack(lanes_, phi + 3 * row, p));
@@ -234,7 +234,7 @@ class ModalSeries {
       }
     }
     if (forces_.count > 0)
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         Real sum(0.0);
         for (int j = adaptive_.order; j >= 2; --j)
           sum = multiply_add(
@@ -243,7 +243,7 @@ class ModalSeries {
         force[p] = force[p] + sum;
       }
     Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real g =
           Real(scale_ * scale_) * load_pack(lanes_, adaptive_.inverse_mass, p) * force[p];
       const Real c0 = Kokkos::abs(coefficient(0, p)), c1 = Kokkos::abs(coefficient(1, p)),
@@ -282,7 +282,7 @@ class ModalSeries {
     const auto product = [&](int j) {
       Real sum(0.0);
       for (int i = 0; i <= 3 && i <= j; ++i)
-        for (int p = 0; p < packs && j - i <= adaptive_.order; ++p)
+        for (int p = 0; p < filled<packs>(lanes_) && j - i <= adaptive_.order; ++p)
           sum = multiply_add(load_pack(lanes_, shape + i * row, p), coefficient(j - i, p), sum);
       return sum;
     };
@@ -305,7 +305,7 @@ class ModalSeries {
   RA2D_FUNCTION void expand_squares() const {
     const double ticks =
         1.0 / (scale_ * motion_.time_step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real v[most_order + 1];
       for (int i = 0; i < adaptive_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
       v[adaptive_.order] = Real(0.0);
@@ -326,7 +326,7 @@ class ModalSeries {
   }
   RA2D_FUNCTION void squares(double x, Real* square) const {
     const Real at(x);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real sum = load_pack(lanes_, buffers_.squares + (adaptive_.order - 1) * row, p);
       for (int n = adaptive_.order - 2; n >= 0; --n)
         sum = multiply_add(sum, at, load_pack(lanes_, buffers_.squares + n * row, p));
@@ -361,7 +361,7 @@ class ModalSeries {
   RA2D_FUNCTION int enough_terms(const Real* amplitude, const Real* travel) {
     // (2 b)^2/2 and (2 b)^3/6 of a mode, b its turning over a unit of x, for steps of up to two
     Real second(0.0), third(0.0), displacement(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real b = Real(2.0 * scale_) * load_pack(lanes_, adaptive_.passing_rate, p);
       const Real part = load_pack(lanes_, bounds_.largest_shape, p) * amplitude[p] * (b * b);
       second = multiply_add(Real(0.5), part, second);
@@ -391,11 +391,11 @@ class ModalSeries {
     const auto phi = [&](int i, int term, int p) {
       return load_pack(lanes_, shapes + i * (4 * row) + term * row, p);
     };
-    const int filled = filled_packs<packs>(modes_.count, width);
+    const int modal_packs = filled<packs>(lanes_);
     Real product[count], second[count], third[count], rising[count];
     for (int i = 0; i < count; ++i) product[i] = second[i] = third[i] = Real(0.0);
     // the latest order last: it is the one to wait for
-    for (int p = 0; p < filled; ++p)
+    for (int p = 0; p < modal_packs; ++p)
       for (int i = 0; i < count; ++i) {
         if constexpr (terms > 3) {
           product[i] = multiply_add(phi(i, 3, p), c3[p], product[i]);
@@ -411,7 +411,7 @@ class ModalSeries {
       rising[i] = Real(2.0) * second[i];
       if constexpr (terms > 3) rising[i] = multiply_add(Real(3.0), third[i], rising[i]);
     }
-    for (int p = 0; p < filled; ++p)
+    for (int p = 0; p < modal_packs; ++p)
       for (int i = 0; i < count; ++i) {
         product[i] = multiply_add(phi(i, 0, p), c0[p], product[i]);
         rising[i] = multiply_add(phi(i, 1, p), c0[p], rising[i]);
@@ -442,7 +442,7 @@ class ModalSeries {
       for (int before = 1; before < terms; ++before)
         f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
     }
-    for (int p = 0; p < filled; ++p) {
+    for (int p = 0; p < modal_packs; ++p) {
       Real sum = force[p];
       for (int i = 0; i < count; ++i)
         for (int term = terms - 1; term >= 0; --term)
@@ -459,7 +459,7 @@ class ModalSeries {
     Real c0[packs], c1[packs], c2[packs], c3[packs],
         next[packs];  // of order j, j - 1, j - 2, j - 3, j + 1
     Real stiff[packs], decay[packs], inverse_mass[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       c0[p] = u[p];
       next[p] = Real(scale) * v[p];
       c1[p] = c2[p] = c3[p] = Real(0.0);
@@ -473,10 +473,10 @@ class ModalSeries {
     const int last = contacts > 0 ? degree() : order - 2;
     for (int j = 0; j <= last; ++j) {
       Real force[packs];
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         force[p] = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
       if (forces_.count > 0 && j <= order)
-        for (int p = 0; p < packs; ++p)
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
       if constexpr (terms > 1) {
         int e = 0;
@@ -487,7 +487,7 @@ class ModalSeries {
           expand_contacts<terms, 1>(e, j, place, advance, c0, c1, c2, c3, force);
       }
       const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         Real after(0.0);  // of order j + 2; what is beyond the last is zero
         if (j + 2 <= order) {
           const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
@@ -508,7 +508,7 @@ class ModalSeries {
                                                double* shape) const {
     const double* c = node_contact_.expanded(node);
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real c3 = load_pack(lanes_, c + 3 * row, p), c2 = load_pack(lanes_, c + 2 * row, p),
                  c1 = load_pack(lanes_, c + row, p);
       const Real b2 = multiply_add(Real(3.0) * c3, x, c2);

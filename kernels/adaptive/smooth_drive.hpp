@@ -344,7 +344,7 @@ class SmoothDrive {
     }
     const auto weights = step_.weights(x);
     step_.squares(weights, end.square);
-    for (int p = 0; p < packs; ++p) end.square[p] = now.square[p] + end.square[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) end.square[p] = now.square[p] + end.square[p];
     double sliding, moving;
     step_.works(weights, sliding, moving);
     int listed = flagged_;
@@ -353,7 +353,7 @@ class SmoothDrive {
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
-    now = end;
+    now.take(lanes_, end);
     tick += made;
     if (onset || listed > flagged_) contacts_.begin(listed, onset ? first : 1.0);
     lanes_.sync();

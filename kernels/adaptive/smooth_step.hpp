@@ -65,7 +65,7 @@ class SmoothStep {
   /// Takes the forces at the end of the step before, in `cells` cells, for those at the beginning:
   /// it is the same state in the same window, so they have the same bits.
   RA2D_FUNCTION void take_start(int cells, double energy) {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const int from = last_stage * row + p * width, to = p * width;
       lanes_.store(buffers_.velocity + to, lanes_.load(buffers_.velocity + from));
       lanes_.store(buffers_.acceleration + to, lanes_.load(buffers_.acceleration + from));
@@ -93,7 +93,8 @@ class SmoothStep {
   KOKKOS_FORCEINLINE_FUNCTION double energy_at_end() const { return energy_at_end_; }
   /// Accelerations of the modes at the beginning.
   RA2D_FUNCTION void acceleration(Real* a) const {
-    for (int p = 0; p < packs; ++p) a[p] = lanes_.load(buffers_.acceleration + p * width);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      a[p] = lanes_.load(buffers_.acceleration + p * width);
   }
   /// Keeps the forces at the beginning, the latest found, for another list of cells.
   RA2D_FUNCTION void keep_start(int cells) {
@@ -117,7 +118,7 @@ class SmoothStep {
     for (int m = 0; m < motion_terms; ++m) {
       Real u[packs], v[packs];
       sum(stage_output + m, formula_stages, u, v);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         lanes_.store(buffers_.u + m * row + p * width,
                      multiply_add(time_, u[p], m == 0 ? now_.u[p] : Real(0.0)));
         lanes_.store(buffers_.v + m * row + p * width,
@@ -156,7 +157,7 @@ class SmoothStep {
     sum(stage_fifth_order_error, last_stage, u5, v5);
     sum(stage_third_order_error, last_stage, u3, v3);
     Real fifth(0.0), third(0.0), before(0.0), after(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real mass = load_pack(lanes_, modes_.mass, p),
                  omega = load_pack(lanes_, modes_.omega, p);
       const auto norm = [&](const Real& u, const Real& v) {
@@ -201,7 +202,7 @@ class SmoothStep {
   }
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const Real at(x);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = lanes_.load(buffers_.u + (motion_terms - 1) * row + p * width);
       v[p] = lanes_.load(buffers_.v + (motion_terms - 1) * row + p * width);
       for (int m = motion_terms - 2; m >= 0; --m) {
@@ -214,7 +215,7 @@ class SmoothStep {
   RA2D_FUNCTION ContactTotals<Real> contact_at(double x) const {
     Real u[packs], v[packs], force[packs];
     state(x, u, v);
-    for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
     lanes_.sync();
     return node_contact_(place_at_share(pace_share(pace_, x)), u, buffers_.cells, cells_, force);
   }
@@ -239,9 +240,9 @@ class SmoothStep {
   }
   /// Integral of V^2, in ticks.
   RA2D_FUNCTION void squares(const Weights& w, Real* square) const {
-    for (int p = 0; p < packs; ++p) square[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) square[p] = Real(0.0);
     for (int i = 0; i < formula_stages; ++i)
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real v = lanes_.load(buffers_.velocity + i * row + p * width);
         square[p] = multiply_add(w.of[i] * ticks_, v * v, square[p]);
       }
@@ -261,12 +262,12 @@ class SmoothStep {
   RA2D_FUNCTION void make_stage(int i, const Place& end_place) {
     Real u[packs], v[packs];
     sum(stage_weights + i, i, u, v);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(time_, u[p], now_.u[p]);
       v[p] = multiply_add(time_, v[p], now_.v[p]);
     }
     if (i == last_stage) {
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         end_.u[p] = u[p];
         end_.v[p] = v[p];
       }
@@ -298,10 +299,10 @@ class SmoothStep {
   /// Weighted sums of the velocities and accelerations of the first `count` stages.
   KOKKOS_FORCEINLINE_FUNCTION void sum(int weights, int count, Real* u, Real* v) const {
     const double* w = table_ + weights * formula_stages;
-    for (int p = 0; p < packs; ++p) u[p] = v[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = Real(0.0);
     for (int j = 0; j < count; ++j) {
       if (w[j] == 0.0) continue;
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         u[p] = multiply_add(w[j], lanes_.load(buffers_.velocity + j * row + p * width), u[p]);
         v[p] = multiply_add(w[j], lanes_.load(buffers_.acceleration + j * row + p * width), v[p]);
       }
@@ -312,12 +313,12 @@ class SmoothStep {
   RA2D_FUNCTION ContactTotals<Real> evaluate(int stage, const Place& place, const Real* u,
                                              const Real* v, double share) {
     Real force[packs];
-    for (int p = 0; p < packs; ++p) force[p] = load_pack(lanes_, modes_.load, p);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = load_pack(lanes_, modes_.load, p);
     double moving = 0.0;
     if (forces_.count > 0) moving = add_moving_forces(share * time_ / force_scale_, v, force);
     lanes_.sync();
     const ContactTotals<Real> totals = node_contact_(place, u, buffers_.cells, cells_, force);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real omega = load_pack(lanes_, modes_.omega, p);
       const Real held =
           multiply_add(load_pack(lanes_, adaptive_.decay, p), v[p], omega * omega * u[p]);
@@ -349,7 +350,7 @@ class SmoothStep {
   /// Adds the modal forces of the moving forces at x of their series; returns their power [W].
   RA2D_FUNCTION double add_moving_forces(double x, const Real* v, Real* force) const {
     Real power(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real f = lanes_.load(force_series_ + adaptive_.order * row + p * width);
       for (int j = adaptive_.order - 1; j >= 0; --j)
         f = multiply_add(f, Real(x), lanes_.load(force_series_ + j * row + p * width));

@@ -67,7 +67,7 @@ class ActiveForces {
   RA2D_FUNCTION Solution activate(const Place& place, const Point& point, double over) {
     Real weighted[packs], phi[packs];
     points_.shape(place, point, phi);
-    for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) weighted[p] = receptance(p) * phi[p];
     const double own = compliance_of(weighted, phi) + contact_.compliance;
     for (int j = 0; j < count_; ++j) {
       points_.active_shape(place, j, phi);
@@ -129,14 +129,15 @@ class ActiveForces {
   /// Displacement at the end of the step under the present forces.
   RA2D_FUNCTION void end_of(const Place& place, const Real* free, Real* u) const {
     Real force_on_modes[packs], phi[packs];
-    for (int p = 0; p < packs; ++p) force_on_modes[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force_on_modes[p] = Real(0.0);
     for (int j = 0; j < count_; ++j) {
       points_.active_shape(place, j, phi);
       const Real f(active_.forces[j]);
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
     }
-    for (int p = 0; p < packs; ++p) u[p] = multiply_add(-receptance(p), force_on_modes[p], free[p]);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      u[p] = multiply_add(-receptance(p), force_on_modes[p], free[p]);
   }
 
   RA2D_FUNCTION double total() const {
@@ -148,7 +149,7 @@ class ActiveForces {
   /// W_nm of two points, one of them weighted by the receptance.
   RA2D_FUNCTION double compliance_of(const Real* weighted, const Real* phi) const {
     Real part = weighted[0] * phi[0];
-    for (int p = 1; p < packs; ++p) part = multiply_add(weighted[p], phi[p], part);
+    for (int p = 1; p < filled<packs>(lanes_); ++p) part = multiply_add(weighted[p], phi[p], part);
     return lanes_.sum(part);
   }
 
@@ -213,7 +214,7 @@ class ActiveForces {
     Real phi[packs], weighted[packs];
     for (int i = out; i < count_; ++i) {
       points_.active_shape(place, i, weighted);
-      for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * weighted[p];
+      for (int p = 0; p < filled<packs>(lanes_); ++p) weighted[p] = receptance(p) * weighted[p];
       for (int j = 0; j <= i; ++j) {
         points_.active_shape(place, j, phi);
         double w = compliance_of(weighted, phi);

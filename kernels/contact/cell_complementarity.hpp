@@ -53,27 +53,29 @@ class CellComplementarity {
     RA2D_FUNCTION void shape(const Place& place, const CellPoint& point, Real* phi) const {
       Real along[4][packs];
       cells_.shapes(point.cell, place.offset, along);
-      for (int p = 0; p < packs; ++p) phi[p] = ExpandedCells<Lanes, packs>::at(along, p, point.at);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        phi[p] = ExpandedCells<Lanes, packs>::at(along, p, point.at);
     }
     KOKKOS_FORCEINLINE_FUNCTION void active_shape(const Place&, int j, Real* phi) const {
-      for (int p = 0; p < packs; ++p) phi[p] = lanes_.load(row(j, p));
+      for (int p = 0; p < filled<packs>(lanes_); ++p) phi[p] = lanes_.load(row(j, p));
     }
     KOKKOS_FORCEINLINE_FUNCTION double active_overlap(const Place& place, int j, const Real* phi,
                                                       const Real* u) const {
       Real part(0.0);
-      for (int p = 0; p < packs; ++p) part = multiply_add(phi[p], u[p], part);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) part = multiply_add(phi[p], u[p], part);
       return cells_.face(active_.nodes[j], place.theta, active_.places[j]) + lanes_.sum(part);
     }
     RA2D_FUNCTION void put(const Place& place, int j, const CellPoint& point) const {
       Real phi[packs];
       shape(place, point, phi);
-      for (int p = 0; p < packs; ++p) lanes_.store(row(j, p), phi[p]);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) lanes_.store(row(j, p), phi[p]);
       if (!lanes_.leader()) return;
       active_.nodes[j] = point.cell;
       active_.places[j] = point.at;
     }
     RA2D_FUNCTION void move(int from, int to) const {
-      for (int p = 0; p < packs; ++p) lanes_.store(row(to, p), lanes_.load(row(from, p)));
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        lanes_.store(row(to, p), lanes_.load(row(from, p)));
       if (!lanes_.leader()) return;
       active_.nodes[to] = active_.nodes[from];
       active_.places[to] = active_.places[from];
@@ -112,7 +114,7 @@ class CellComplementarity {
   RA2D_FUNCTION Solution operator()(const Place& place, Real* u, Real* v, const List& list,
                                     ContactTotals<Real>& totals, double& most) {
     Real now[packs];
-    for (int p = 0; p < packs; ++p) now[p] = u[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) now[p] = u[p];
     Solution result = Solution::solved;
     const int rounds = 64 + 8 * faces_.nodes;
     double wide = 0.0;
@@ -174,7 +176,7 @@ class CellComplementarity {
   /// The end of the step, and the record of the cells that carry force, in ascending order.
   RA2D_FUNCTION void finish(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     Real force_on_modes[packs], slope_force[packs];
-    for (int p = 0; p < packs; ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
     for (int done = -1;;) {
       int cell = faces_.nodes;  // the next
       for (int j = 0; j < forces_.count(); ++j)
@@ -191,7 +193,7 @@ class CellComplementarity {
         force += f;
         moment = Kokkos::fma(f, at, moment);
         totals.face_work = Kokkos::fma(f, cells_.rise(cell, place.theta, at), totals.face_work);
-        for (int p = 0; p < packs; ++p) {
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
           const Real shape =
               lanes_.load(active_.rows + static_cast<std::int64_t>(j) * rows + p * Lanes::width);
           force_on_modes[p] = multiply_add(f, shape, force_on_modes[p]);
@@ -208,12 +210,12 @@ class CellComplementarity {
       }
       ++totals.nodes;
     }
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(-forces_.receptance(p), force_on_modes[p], u[p]);
       v[p] =
           multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
     }
-    for (int p = 0; p < packs; ++p)
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
       totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
     lanes_.sync();
   }

@@ -61,12 +61,12 @@ class CellSprings {
     constexpr int rounds = 200, halvings = 40;
     Real d[packs], w[packs], now[packs], pressing[packs], next[packs], step[packs];
     const Scene scene = scene_of(d);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       w[p] = Real(0.0);
       now[p] = u[p];
     }
     if (guess != nullptr)
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         w[p] = (guess[p] - u[p]) / Kokkos::max(d[p], Real(1e-150));
         now[p] = multiply_add(d[p], w[p], u[p]);
       }
@@ -80,7 +80,7 @@ class CellSprings {
       else
         solve_by_products(found.products, w, pressing, next);
       Real moved(0.0), away(0.0), falling(0.0);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real motion = d[p] * largest_shape(p);
         step[p] = next[p] - w[p];
         moved = multiply_add(motion, Kokkos::abs(step[p]), moved);
@@ -104,15 +104,16 @@ class CellSprings {
       double share = 1.0;
       for (int half = 0;; ++half, share *= 0.5) {
         Real to[packs], part(0.0);
-        for (int p = 0; p < packs; ++p) {
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
           to[p] = half == 0 ? next[p] : multiply_add(share, step[p], w[p]);
           now[p] = multiply_add(d[p], to[p], u[p]);
         }
         cells = list(now);
         found = evaluate(place, now, cells, d, scene, pressing);
-        for (int p = 0; p < packs; ++p) part = multiply_add(to[p] + pressing[p], step[p], part);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          part = multiply_add(to[p] + pressing[p], step[p], part);
         if (lanes_.sum(part) <= -0.1 * fall || half == halvings) {
-          for (int p = 0; p < packs; ++p) w[p] = to[p];
+          for (int p = 0; p < filled<packs>(lanes_); ++p) w[p] = to[p];
           break;
         }
       }
@@ -141,7 +142,7 @@ class CellSprings {
   KOKKOS_FORCEINLINE_FUNCTION Scene scene_of(Real* d) const {
     Scene scene;
     Real part(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real b = lanes_.load(contact_.receptance + p * width), most_shape = largest_shape(p);
       scene.modes += Kokkos::Experimental::popcount_builtin(lanes_.at_least(b, 1e-300));
       part = multiply_add(b * most_shape, most_shape, part);
@@ -187,7 +188,7 @@ class CellSprings {
   /// products of the Hessian.
   RA2D_FUNCTION Found evaluate(const Place& place, const Real* now, int cells, const Real* d,
                                const Scene& scene, Real* pressing) const {
-    for (int p = 0; p < packs; ++p) pressing[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) pressing[p] = Real(0.0);
     Found found{};
     for (int e = 0; e < cells; ++e) {
       Real phi[4][packs];
@@ -201,7 +202,7 @@ class CellSprings {
                    });
       if (stiffness[0] == 0.0) continue;
       found.touches = true;
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         for (int j = 0; j < 4; ++j) pressing[p] = multiply_add(force[j], phi[j][p], pressing[p]);
       const double most = stiffness[0] * scene.most_compliance;
       if (most <= small)
@@ -209,7 +210,7 @@ class CellSprings {
       else
         add_products(phi, d, stiffness, scene.modes, found);
     }
-    for (int p = 0; p < packs; ++p) pressing[p] = d[p] * pressing[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) pressing[p] = d[p] * pressing[p];
     lanes_.sync();
     return found;
   }
@@ -230,7 +231,7 @@ class CellSprings {
       }
     for (int l = 0; l < 4; ++l) {
       Real row[packs], part(0.0);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         row[p] = factor[l][l] * phi[l][p];
         for (int i = l + 1; i < 4; ++i) row[p] = multiply_add(factor[i][l], phi[i][p], row[p]);
         row[p] = d[p] * row[p];
@@ -242,7 +243,7 @@ class CellSprings {
         continue;
       }
       if (found.products < modes)
-        for (int p = 0; p < packs; ++p)
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
           lanes_.store(products_.rows + found.products * rows + p * width, row[p]);
       ++found.products;
     }
@@ -258,7 +259,8 @@ class CellSprings {
     };
     const auto dot = [&](int i, const auto& other) {
       Real part(0.0);
-      for (int p = 0; p < packs; ++p) part = multiply_add(row(i, p), other(p), part);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        part = multiply_add(row(i, p), other(p), part);
       return lanes_.sum(part);
     };
     for (int i = 0; i < count; ++i) {
@@ -270,9 +272,9 @@ class CellSprings {
       }
     }
     solve(count);
-    for (int p = 0; p < packs; ++p) next[p] = -pressing[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) next[p] = -pressing[p];
     for (int i = 0; i < count; ++i)
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         next[p] = multiply_add(products_.solution[i], row(i, p), next[p]);
     lanes_.sync();
   }
@@ -281,7 +283,8 @@ class CellSprings {
   RA2D_FUNCTION void solve_in_modes(const Place& place, const Real* now, int cells, const Real* d,
                                     const Real* w, const Real* pressing, Real* next) const {
     for (int i = 0; i < rows; ++i)
-      for (int p = 0; p < packs; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        lanes_.store(&factor(i, p * width), Real(0.0));
     for (int e = 0; e < cells; ++e) {
       Real phi[4][packs];
       cells_.shapes(listed_cells_[e], place.offset, phi);
@@ -292,32 +295,34 @@ class CellSprings {
                      for (int j = 0; j < 7; ++j, spring *= eta) stiffness[j] += spring;
                    });
       if (stiffness[0] == 0.0) continue;
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         for (int j = 0; j < 4; ++j) phi[j][p] = d[p] * phi[j][p];
       for (int i = 0; i < 4; ++i) {
         Real pressed[packs];
-        for (int p = 0; p < packs; ++p) {
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
           pressed[p] = stiffness[i] * phi[0][p];
           for (int j = 1; j < 4; ++j)
             pressed[p] = multiply_add(stiffness[i + j], phi[j][p], pressed[p]);
         }
         lanes_.sync();
-        for (int p = 0; p < packs; ++p) lanes_.store(products_.coupling + p * width, phi[i][p]);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          lanes_.store(products_.coupling + p * width, phi[i][p]);
         lanes_.sync();
         for (int r = 0; r < rows; ++r) {
           const double left = products_.coupling[r];
           if (left == 0.0) continue;  // of a lane without a mode
-          for (int p = 0; p < packs; ++p) {
+          for (int p = 0; p < filled<packs>(lanes_); ++p) {
             double* const entry = &factor(r, p * width);
             lanes_.store(entry, multiply_add(left, pressed[p], lanes_.load(entry)));
           }
         }
       }
     }
-    for (int p = 0; p < packs; ++p)
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
       lanes_.store(products_.solution + p * width, -(w[p] + pressing[p]));
     solve(rows);
-    for (int p = 0; p < packs; ++p) next[p] = w[p] + lanes_.load(products_.solution + p * width);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      next[p] = w[p] + lanes_.load(products_.solution + p * width);
     lanes_.sync();
   }
 
@@ -351,14 +356,14 @@ class CellSprings {
   template <class List>
   RA2D_FUNCTION void finish(const Place& place, const Real* d, const Real* w, Real* u, Real* v,
                             const List& list, ContactTotals<Real>& totals) const {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(d[p], w[p], u[p]);
       // the force over the step is -w/D
       v[p] = multiply_add(lanes_.load(contact_.mobility + p * width),
                           w[p] / Kokkos::max(d[p], Real(1e-150)), v[p]);
     }
     Real force[packs];
-    for (int p = 0; p < packs; ++p) force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
     totals = node_contact_(place, u, listed_cells_, list(u), force);
   }
 };

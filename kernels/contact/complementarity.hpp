@@ -142,14 +142,14 @@ class Complementarity {
     if (!node_contact_.expand(place, latest_contact_.pair, count)) return false;
     Real phi[packs], slope[packs], weighted[packs], other[packs], other_slope[packs];
     node_contact_.shapes(first, place.offset, phi, slope);
-    for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * phi[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) weighted[p] = receptance(p) * phi[p];
     const double own = forces_.compliance_of(weighted, phi) + contact_.compliance;
     const double over = node_contact_.overlap(first, place.theta, phi, u);
     double force = over / own, other_force = 0.0;
     if (count > 1) {
       node_contact_.shapes(second, place.offset, other, other_slope);
       const double coupling = forces_.compliance_of(weighted, other);
-      for (int p = 0; p < packs; ++p) weighted[p] = receptance(p) * other[p];
+      for (int p = 0; p < filled<packs>(lanes_); ++p) weighted[p] = receptance(p) * other[p];
       const double other_own = forces_.compliance_of(weighted, other) + contact_.compliance;
       const double other_over = node_contact_.overlap(second, place.theta, other, u);
       const double share = coupling / own, pivot = other_own - share * coupling;
@@ -160,7 +160,7 @@ class Complementarity {
     }
     if (!(force > 0.0 && force < never)) return false;
     Real force_on_modes[packs], now[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       force_on_modes[p] = Real(force) * phi[p];
       if (count > 1) force_on_modes[p] = multiply_add(other_force, other[p], force_on_modes[p]);
       now[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
@@ -171,7 +171,7 @@ class Complementarity {
     totals.nodes = count;
     totals.force = most;
     totals.face_work = force * node_contact_.rise(first) + other_force * node_contact_.rise(second);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real slope_force = Real(force) * slope[p];
       if (count > 1) slope_force = multiply_add(other_force, other_slope[p], slope_force);
       totals.deflection_work = multiply_add(slope_force, now[p], totals.deflection_work);
@@ -235,7 +235,7 @@ class Complementarity {
   RA2D_FUNCTION Solution seek(const Place& place, Real* u, Real* v, const List& list,
                               ContactTotals<Real>& totals, double& most, bool anywhere) {
     Real now[packs];
-    for (int p = 0; p < packs; ++p) now[p] = u[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) now[p] = u[p];
     Solution result = Solution::solved;
     const int rounds = 64 + 8 * faces_.nodes;
     double wide = 0.0;
@@ -287,7 +287,7 @@ class Complementarity {
     constexpr int rows = packs * Lanes::width, rounds = 200, halvings = 40;
     if (active_.capacity < (rows > many ? rows : many)) return Solution::crowded;
     Real d[packs], w[packs], now[packs], slope[packs], next[packs], at[packs], next_slope[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       d[p] = Kokkos::sqrt(receptance(p));
       w[p] = Real(0.0);
       now[p] = u[p];
@@ -300,12 +300,12 @@ class Complementarity {
       if (is_interrupted(interrupted_)) return Solution::interrupted;
       solve_newton(place, now, nodes, d, slope, next);
       Real part = slope[0] * next[0];
-      for (int p = 1; p < packs; ++p) part = multiply_add(slope[p], next[p], part);
+      for (int p = 1; p < filled<packs>(lanes_); ++p) part = multiply_add(slope[p], next[p], part);
       const double fall = lanes_.sum(part);
       double share = 1.0;
       for (int half = 0; half < halvings; ++half, share *= 0.5) {
         Real to[packs];
-        for (int p = 0; p < packs; ++p) {
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
           to[p] = multiply_add(share, next[p], w[p]);
           at[p] = multiply_add(d[p], to[p], u[p]);
         }
@@ -315,12 +315,12 @@ class Complementarity {
         // the second is what roundings do to sums of squares
         if (there <= energy + 1e-4 * share * fall + 1e-13 * energy || half + 1 == halvings) {
           energy = there;
-          for (int p = 0; p < packs; ++p) w[p] = to[p];
+          for (int p = 0; p < filled<packs>(lanes_); ++p) w[p] = to[p];
           break;
         }
       }
       Real moved(0.0);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         moved = multiply_add(lanes_.load(bounds_.largest_shape + p * Lanes::width),
                              Kokkos::abs(at[p] - now[p]), moved);
         now[p] = at[p];
@@ -342,8 +342,8 @@ class Complementarity {
                                const Real* w, Real* slope, double& most) const {
     const double stiffness = 1.0 / contact_.compliance;
     Real phi[packs], square = w[0] * w[0];
-    for (int p = 0; p < packs; ++p) slope[p] = Real(0.0);
-    for (int p = 1; p < packs; ++p) square = multiply_add(w[p], w[p], square);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) slope[p] = Real(0.0);
+    for (int p = 1; p < filled<packs>(lanes_); ++p) square = multiply_add(w[p], w[p], square);
     double work = 0.0, force = 0.0;
     for (int e = 0; e < nodes; ++e) {
       node_contact_.shape(listed_nodes_[e], place.offset, phi);
@@ -352,9 +352,9 @@ class Complementarity {
       const double f = stiffness * over;
       work += f * over;
       force += f;
-      for (int p = 0; p < packs; ++p) slope[p] = multiply_add(f, phi[p], slope[p]);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) slope[p] = multiply_add(f, phi[p], slope[p]);
     }
-    for (int p = 0; p < packs; ++p) slope[p] = multiply_add(d[p], slope[p], w[p]);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) slope[p] = multiply_add(d[p], slope[p], w[p]);
     if (force > most) most = force;
     return 0.5 * (lanes_.sum(square) + work);
   }
@@ -367,14 +367,16 @@ class Complementarity {
     const double stiffness = 1.0 / contact_.compliance;
     lanes_.sync();
     for (int i = 0; i < rows; ++i)
-      for (int p = 0; p < packs; ++p) lanes_.store(&factor(i, p * width), Real(0.0));
-    for (int p = 0; p < packs; ++p) lanes_.store(active_.solution + p * width, -slope[p]);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        lanes_.store(&factor(i, p * width), Real(0.0));
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      lanes_.store(active_.solution + p * width, -slope[p]);
     for (int e = 0; e < nodes; ++e) {
       Real phi[packs];
       node_contact_.shape(listed_nodes_[e], place.offset, phi);
       if (!(node_contact_.overlap(listed_nodes_[e], place.theta, phi, now) > 0.0)) continue;
       lanes_.sync();
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         phi[p] = d[p] * phi[p];
         lanes_.store(active_.coupling + p * width, phi[p]);
       }
@@ -382,7 +384,7 @@ class Complementarity {
       for (int i = 0; i < rows; ++i) {
         const double left = stiffness * active_.coupling[i];
         if (left == 0.0) continue;  // of a lane without a mode
-        for (int p = 0; p < packs; ++p)
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
           lanes_.store(&factor(i, p * width),
                        multiply_add(left, phi[p], lanes_.load(&factor(i, p * width))));
       }
@@ -399,7 +401,8 @@ class Complementarity {
       solve_upper(active_, rows);
     }
     lanes_.sync();
-    for (int p = 0; p < packs; ++p) step[p] = lanes_.load(active_.solution + p * width);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      step[p] = lanes_.load(active_.solution + p * width);
     lanes_.sync();
   }
 
@@ -484,24 +487,24 @@ class Complementarity {
   /// The end of the step under the forces in the list of contacts.
   RA2D_FUNCTION void end_step(const Place& place, Real* u, Real* v, ContactTotals<Real>& totals) {
     Real force_on_modes[packs], slope_force[packs], phi[packs], slope[packs];
-    for (int p = 0; p < packs; ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force_on_modes[p] = slope_force[p] = Real(0.0);
     for (int e = 0; e < totals.nodes; ++e) {
       const int node = contact_list_.nodes[e];
       const double f = contact_list_.forces[e];
       node_contact_.shapes(node, place.offset, phi, slope);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         force_on_modes[p] = multiply_add(f, phi[p], force_on_modes[p]);
         slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
       }
       totals.face_work = Kokkos::fma(f, node_contact_.rise(node), totals.face_work);
       totals.force += f;
     }
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(-receptance(p), force_on_modes[p], u[p]);
       v[p] =
           multiply_add(-lanes_.load(contact_.mobility + p * Lanes::width), force_on_modes[p], v[p]);
     }
-    for (int p = 0; p < packs; ++p)
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
       totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
   }
 };

@@ -44,13 +44,13 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
   Real path[4][packs];
   expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
                              at + 0.5 + (place.part + 0.5) * motion.window_width, path);
-  for (int p = 0; p < packs; ++p) {
+  for (int p = 0; p < filled<packs>(lanes); ++p) {
     for (int m = 0; m < 4; ++m) c[m][p] = path[m][p];
     for (int m = cell_slider; m < cell_rows; ++m) c[m][p] = Real(0.0);
   }
   const std::int64_t row = slider.row;
   for (int k = 0; k < slider.modes; ++k)
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       const Real unit = lanes.load(slider.unit + (k * packs + p) * Lanes::width);
       const double* own = slider.cell + 4 * k * row + cell;
       c[0][p] = multiply_add(own[0], unit, c[0][p]);
@@ -58,7 +58,8 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
         c[cell_slider + m - 1][p] = multiply_add(own[m * row], unit, c[cell_slider + m - 1][p]);
     }
   for (int m = 0; m < cell_rows; ++m)
-    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
+    for (int p = 0; p < filled<packs>(lanes); ++p)
+      lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
     const double *h1 = faces.height1 + cell, *b1 = faces.curvature1 + cell;
     const double *h2 = faces.height2 + at, *b2 = faces.curvature2 + at;
@@ -95,7 +96,7 @@ class ExpandedCells {
   /// Those of all modes, and the resonator's share of them.
   RA2D_FUNCTION void shapes(int cell, double offset, Real (*phi)[packs]) const {
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real all[4], moving[4];
       along(cell, x, p, all, moving);
       for (int j = 0; j < 4; ++j) phi[j][p] = all[j];
@@ -103,7 +104,7 @@ class ExpandedCells {
   }
   RA2D_FUNCTION void path(int cell, double offset, Real (*phi)[packs]) const {
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real all[4], moving[4];
       along(cell, x, p, all, moving);
       for (int j = 1; j < 4; ++j) phi[j][p] = moving[j];
@@ -120,7 +121,8 @@ class ExpandedCells {
     Real part[4];
     for (int j = 0; j < 4; ++j) {
       part[j] = phi[j][0] * u[0];
-      for (int p = 1; p < packs; ++p) part[j] = multiply_add(phi[j][p], u[p], part[j]);
+      for (int p = 1; p < filled<packs>(lanes_); ++p)
+        part[j] = multiply_add(phi[j][p], u[p], part[j]);
     }
     Cubic sum;
     lanes_.sum(part[0], part[1], sum.c[0], sum.c[1]);

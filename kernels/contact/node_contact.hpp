@@ -50,17 +50,18 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
                              at + (place.part + 0.5) * motion.window_width, c);
   const std::int64_t row = slider.row;
   for (int k = 0; k < slider.modes; ++k)
-    for (int p = 0; p < packs; ++p)
+    for (int p = 0; p < filled<packs>(lanes); ++p)
       c[0][p] = multiply_add(slider.shape[k * row + i],
                              lanes.load(slider.unit + (k * packs + p) * Lanes::width), c[0][p]);
   if (rows.across != nullptr) [[unlikely]]
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       const Real share =
           lanes.load(rows.across + (static_cast<std::int64_t>(j) * packs + p) * Lanes::width);
       for (int m = 0; m < 4; ++m) c[m][p] = share * c[m][p];
     }
   for (int m = 0; m < 4; ++m)
-    for (int p = 0; p < packs; ++p) lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
+    for (int p = 0; p < filled<packs>(lanes); ++p)
+      lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
     const double* const h2 = faces.height2 + (place.base - rows.behind + node + j * rows.excess);
     face[0] = faces.height1[node] + h2[0];
@@ -121,7 +122,7 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION void shape(int node, double offset, Real* phi) const {
     const double* c = caches_.node_shape + node_offset(node);
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real c2 = multiply_add(lanes_.load(c + width * (3 * packs + p)), x,
                                    lanes_.load(c + width * (2 * packs + p)));
       const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
@@ -152,7 +153,7 @@ class NodeContact {
     Real part[4], rising[4], slope[3];
     for (int j = 0; j < 4; ++j) part[j] = rising[j] = Real(0.0);
     for (int j = 0; j < 3; ++j) slope[j] = Real(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real phi[4], path[4];
       cells_.along(cell, x, p, phi, path);
       for (int j = 0; j < 4; ++j) {
@@ -198,7 +199,7 @@ class NodeContact {
     const Real offset(place.offset);
     Real part[4];
     for (int j = 0; j < 4; ++j) part[j] = Real(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real phi[4], path[4];
       cells_.along(cell, offset, p, phi, path);
       for (int j = 0; j < 4; ++j) part[j] = multiply_add(phi[j], x[p], part[j]);
@@ -226,7 +227,7 @@ class NodeContact {
                         add_closed(moving.rate[side], Cubic{}, left, right, sum);
                       });
     const Real offset(place.offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real phi[4], path[4];
       cells_.along(cell, offset, p, phi, path);
       for (int j = 0; j < 4; ++j)
@@ -246,7 +247,7 @@ class NodeContact {
     const Penalty penalty{contact_.node_stiffness};
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum_n f_n dphi/dx
-    for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) slope_force[p] = Real(0.0);
     for (int e = 0; e < count; ++e) {
       const int node = nodes[e];
       const int at = slot(node);
@@ -256,7 +257,7 @@ class NodeContact {
       if (!(over >= 0.0)) continue;
 
       const double f = penalty.force(over);
-      for (int p = 0; p < packs; ++p) {
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
         force[p] = multiply_add(-f, phi[p], force[p]);
         slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
       }
@@ -270,7 +271,7 @@ class NodeContact {
       ++totals.nodes;
     }
     if (totals.nodes > 0) {
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
       lanes_.sync();
     }
@@ -283,7 +284,7 @@ class NodeContact {
                                              int count, Real* force, bool recorded) const {
     ContactTotals<Real> totals;
     Real slope_force[packs];  // sum of the integrals of o dphi/dx
-    for (int p = 0; p < packs; ++p) slope_force[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) slope_force[p] = Real(0.0);
     CellParts<Lanes> parts(lanes_, contact_list_.cell_parts);
     for (int e = 0; e < count;) {
       // as many cells as there is room for
@@ -303,7 +304,7 @@ class NodeContact {
       lanes_.sync();
     }
     if (totals.nodes > 0) {
-      for (int p = 0; p < packs; ++p)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
         totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
       lanes_.sync();
     }
@@ -316,7 +317,7 @@ class NodeContact {
     const double* m = contact.moment;
     const double f0 = spring * m[0], f1 = spring * m[1], f2 = spring * m[2], f3 = spring * m[3];
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real phi[4], path[4];
       cells_.along(cell, x, p, phi, path);
       Real sum = multiply_add(-f0, phi[0], force[p]);
@@ -353,7 +354,7 @@ class NodeContact {
                                              Real* slope) const {
     const double* c = caches_.node_shape + offset_of(slot);
     const Real x(offset);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real c3 = lanes_.load(c + width * (3 * packs + p));
       const Real c2 = multiply_add(c3, x, lanes_.load(c + width * (2 * packs + p)));
       const Real c1 = multiply_add(c2, x, lanes_.load(c + width * (packs + p)));
@@ -364,7 +365,7 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION double overlap_at(int slot, double theta, const Real* phi,
                                                 const Real* u) const {
     Real product = phi[0] * u[0];
-    for (int p = 1; p < packs; ++p) product = multiply_add(phi[p], u[p], product);
+    for (int p = 1; p < filled<packs>(lanes_); ++p) product = multiply_add(phi[p], u[p], product);
     return face_at(slot, theta) + lanes_.sum(product);
   }
   KOKKOS_FORCEINLINE_FUNCTION double face_at(int slot, double theta) const {

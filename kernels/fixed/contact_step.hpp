@@ -186,7 +186,7 @@ class ContactStep {
     for (int i = 0; i < stages; ++i) {
       Real at[packs];
       if (i == 0) {
-        for (int p = 0; p < packs; ++p) at[p] = y.u[p];
+        for (int p = 0; p < filled<packs>(lanes_); ++p) at[p] = y.u[p];
       } else {
         integrate_.stage_displacement(i, y.u, y.v, acting, force, at);
         nodes.move(motion_, place, y.step, scheme_.place[i]);
@@ -196,7 +196,7 @@ class ContactStep {
         if (i == 0) work = outer_.work(force[0], y.v);
         acting |= 1u << i;
       } else {
-        for (int p = 0; p < packs; ++p) force[i][p] = Real(0.0);
+        for (int p = 0; p < filled<packs>(lanes_); ++p) force[i][p] = Real(0.0);
       }
       const int count = nodes.find(at, y.v, place);
       if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
@@ -213,7 +213,7 @@ class ContactStep {
     y.deflection_work = y.deflection_work + first.deflection_work;
     lanes_.sync();
     integrate_.advance(y.u, y.v, w, acting, force);
-    y.add_squares();
+    y.add_squares(lanes_);
     return true;
   }
 
@@ -222,7 +222,7 @@ class ContactStep {
   RA2D_FUNCTION bool implicit(Motion<Lanes, packs>& y, const Weights& w, Place& place,
                               NodesToEvaluate& nodes, Recorder& recorder) {
     Real u[packs], v[packs], outer[most_stages][packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = y.u[p];
       v[p] = y.v[p];
     }
@@ -244,11 +244,11 @@ class ContactStep {
     keep(totals, y.step + 1);
     y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       y.u[p] = u[p];
       y.v[p] = v[p];
     }
-    y.add_squares();
+    y.add_squares(lanes_);
     return true;
   }
   KOKKOS_FORCEINLINE_FUNCTION bool between_smooth_faces() const {
@@ -262,7 +262,8 @@ class ContactStep {
     if (contact_.compliance == 0.0) return clear_(place, u, v, list, totals, most);
     // in lasting contact the motion goes on as it was, but for the square of the step
     Real guess[packs];
-    for (int p = 0; p < packs; ++p) guess[p] = multiply_add(motion_.time_step, y.v[p], y.u[p]);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      guess[p] = multiply_add(motion_.time_step, y.v[p], y.u[p]);
     return springs_(place, latest_contact_.step == y.step ? guess : nullptr, u, v, list, totals,
                     most);
   }

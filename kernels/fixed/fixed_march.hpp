@@ -91,7 +91,7 @@ class FixedMarch {
             state.carried.latest_contact,
             state.work.contact_list,
             state.work.listed_nodes} {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
       now_.u[p] = lanes_.load(state_.carried.modal.u + p * width);
       now_.v[p] = lanes_.load(state_.carried.modal.v + p * width);
       now_.square[p] = lanes_.load(state_.carried.modal.square_part + p * width);
@@ -145,7 +145,7 @@ class FixedMarch {
   }
   RA2D_FUNCTION void save() {
     lanes_.sync();
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(state_.carried.modal.u + p * width, now_.u[p]);
       lanes_.store(state_.carried.modal.v + p * width, now_.v[p]);
       lanes_.store(state_.carried.modal.square_part + p * width, now_.square[p]);
@@ -236,7 +236,7 @@ class FixedMarch {
     const auto w = integrate_.weights();
     // arrays of their own, so that they stay in registers
     Real u[packs], v[packs], square[packs], force[packs];
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = now_.u[p];
       v[p] = now_.v[p];
       square[p] = now_.square[p];
@@ -247,10 +247,11 @@ class FixedMarch {
         integrate_.advance(u, v, square, force, w);
       } else {
         integrate_.advance(u, v, w, 0u, nullptr);
-        for (int p = 0; p < packs; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          square[p] = multiply_add(v[p], v[p], square[p]);
       }
     }
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       now_.u[p] = u[p];
       now_.v[p] = v[p];
       now_.square[p] = square[p];
@@ -272,7 +273,7 @@ class FixedMarch {
         if (before) recorder_.take_force_work(outer_.work(force[0], now_.v));
         integrate_.advance(now_.u, now_.v, w, acting, force);
         if (!before) recorder_.take_force_work(outer_.work(force[0], now_.v));
-        now_.add_squares();
+        now_.add_squares(lanes_);
       }
     }
   }

@@ -129,7 +129,7 @@ class FixedRecorder {
   /// grown without work to pay for it.
   RA2D_FUNCTION void check_energy(const Motion<Lanes, packs>& now) {
     Real part(0.0), load_work(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real stretch = load_pack(lanes_, modes_.omega, p) * now.u[p];
       part = multiply_add(load_pack(lanes_, modes_.mass, p),
                           multiply_add(now.v[p], now.v[p], stretch * stretch), part);
@@ -282,7 +282,7 @@ class FixedRecorder {
                                  : Real(weight) * x);
     };
     Real loss(0.0);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       put(p * width, now.u[p]);
       put((packs + p) * width, v[p]);
       const Real before = load_pack(lanes_, modal_.start_v, p);
@@ -314,7 +314,7 @@ class FixedRecorder {
   /// lags behind, the mean of this step's and the next's.
   RA2D_FUNCTION SampledContact contact_at(const Motion<Lanes, packs>& now,
                                           Candidates<Lanes, packs>& candidates, Real* v) {
-    for (int p = 0; p < packs; ++p) v[p] = now.v[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = now.v[p];
     if constexpr (form == Form::implicit) {
       // a force over a step has no value within it: where there is one, the velocity is left as it
       // is
@@ -348,7 +348,7 @@ class FixedRecorder {
   /// Adds each sum's small part (`..._part`) to the whole, so that 1e8 small terms are not added to
   /// one large number.
   RA2D_FUNCTION void close_parts(Motion<Lanes, packs>& now) {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(modal_.square + p * width, load_pack(lanes_, modal_.square, p) + now.square[p]);
       now.square[p] = Real(0.0);
     }

@@ -35,8 +35,8 @@ struct Motion {
     return *this;
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void add_squares() {
-    for (int p = 0; p < packs; ++p) square[p] = multiply_add(v[p], v[p], square[p]);
+  KOKKOS_FORCEINLINE_FUNCTION void add_squares(const Lanes& lanes) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) square[p] = multiply_add(v[p], v[p], square[p]);
   }
 };
 
@@ -58,7 +58,7 @@ class ModesStep {
   };
   KOKKOS_FORCEINLINE_FUNCTION Weights weights() const {
     Weights w;
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       w.v_u[p] = end(end_v_u, p);
       w.v_v[p] = end(end_v_v, p);
       if constexpr (form == Form::semi_implicit) {
@@ -77,7 +77,7 @@ class ModesStep {
   KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, Real* square, const Real* force,
                                            const Weights& w) const {
     const Real tau(motion_.time_step);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       advance_semi_implicit(u[p], v[p], w.v_v[p], w.v_u[p], w.v_f[p] * force[p], tau);
       square[p] = multiply_add(v[p], v[p], square[p]);
     }
@@ -87,7 +87,7 @@ class ModesStep {
   /// whether there is one at stage j.
   KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, const Weights& w, unsigned acting,
                                            const Real (*force)[packs]) const {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real du = multiply_add(w.u_u[p], u[p], multiply_add(w.u_v[p], v[p], w.u_load[p]));
       Real v1 = multiply_add(w.v_u[p], u[p], multiply_add(w.v_v[p], v[p], w.v_load[p]));
       for (unsigned rest = acting; rest != 0; rest &= rest - 1) {
@@ -105,7 +105,7 @@ class ModesStep {
                                                       unsigned acting, const Real (*force)[packs],
                                                       Real* at) const {
     const double* rows = scheme_.stage + scheme_.stage_row[i] * (packs * width);
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real du = multiply_add(load_pack(lanes_, rows, p), u[p],
                              multiply_add(load_pack(lanes_, rows, packs + p), v[p],
                                           load_pack(lanes_, rows, 2 * packs + p)));
@@ -127,7 +127,7 @@ class ModesStep {
 
   /// Takes v from where it lags to the present, over a share of the step under `force`.
   KOKKOS_FORCEINLINE_FUNCTION void lead(const Real* u, Real* v, const Real* force) const {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real pushed = multiply_add(end(end_v_u, p), u[p], end(end_forces + 1, p) * force[p]);
       const Real next = multiply_add(end(end_v_v, p), v[p], pushed);
       v[p] = multiply_add(scheme_.velocity_lag, next - v[p], v[p]);
@@ -135,7 +135,7 @@ class ModesStep {
   }
   /// The inverse: from the present to the time at which the scheme has v.
   KOKKOS_FORCEINLINE_FUNCTION void lag(const Real* u, Real* v, const Real* force) const {
-    for (int p = 0; p < packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real pushed = multiply_add(end(end_v_u, p), u[p], end(end_forces + 1, p) * force[p]);
       v[p] = (v[p] - Real(scheme_.velocity_lag) * pushed) /
              multiply_add(scheme_.velocity_lag, end(end_v_v, p) - Real(1.0), Real(1.0));

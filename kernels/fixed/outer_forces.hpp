@@ -27,14 +27,14 @@ class OuterForces {
 
   /// The sum of both at a step; the moving forces alone in `moving`, where there are any.
   KOKKOS_FORCEINLINE_FUNCTION void operator()(std::int64_t step, Real* force, Real* moving) const {
-    for (int p = 0; p < packs; ++p) force[p] = load(p);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = load(p);
     if (forces_.count == 0) return;
     this->moving(step, 0.0, moving);
-    for (int p = 0; p < packs; ++p) force[p] = force[p] + moving[p];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = force[p] + moving[p];
   }
   /// The moving forces, a share of a step after `step`.
   RA2D_FUNCTION void moving(std::int64_t step, double share, Real* moving) const {
-    for (int p = 0; p < packs; ++p) moving[p] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) moving[p] = Real(0.0);
     for (int i = 0; i < forces_.count; ++i) {
       const MovingForceTable& f = forces_.list[i];
       const double x = Kokkos::fma(static_cast<double>(step) + share, f.advance, f.position);
@@ -43,15 +43,17 @@ class OuterForces {
       mode_values<Lanes, packs>(lanes_, patches_, x / motion_.spacing, psi);
       if (forces_.across != nullptr) [[unlikely]] {
         const double* const across = forces_.across + i * packs * Lanes::width;
-        for (int p = 0; p < packs; ++p) psi[p] = psi[p] * lanes_.load(across + p * Lanes::width);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          psi[p] = psi[p] * lanes_.load(across + p * Lanes::width);
       }
-      for (int p = 0; p < packs; ++p) moving[p] = multiply_add(f.force, psi[p], moving[p]);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        moving[p] = multiply_add(f.force, psi[p], moving[p]);
     }
   }
   /// Their work over a step in which the modes move at v [J].
   KOKKOS_FORCEINLINE_FUNCTION double work(const Real* moving, const Real* v) const {
     Real power(0.0);
-    for (int p = 0; p < packs; ++p) power = multiply_add(moving[p], v[p], power);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) power = multiply_add(moving[p], v[p], power);
     return motion_.time_step * lanes_.sum(power);
   }
 
