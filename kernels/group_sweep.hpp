@@ -88,6 +88,7 @@ class GroupSweep {
   Real lane_eta_;
   int patch_ = -1;
   int first_group_ = 0, beyond_ = 0;  // of the row
+  const double* across_ = nullptr;    // the modes' shares on the row
   double q_[4], rate_q_[4];
 
   /// Finds the cubics of the group's patch, if it is not that of the group before; returns eta.
@@ -119,8 +120,8 @@ class GroupSweep {
     Real part[4], rate[4];
     for (int j = 0; j < 4; ++j) part[j] = rate[j] = Real(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real u = lanes_.load(amplitudes_ + p * width);
-      const Real v = rates ? lanes_.load(amplitudes_ + (packs + p) * width) : Real(0.0);
+      const Real share = lanes_.load(across_ + p * width), u = share * u_[p];
+      const Real v = rates ? share * v_[p] : Real(0.0);
       for (int j = 0; j < 4; ++j) {
         const Real derivative = lanes_.load(rows + (j * packs + p) * width);
         part[j] = multiply_add(derivative, u, part[j]);
@@ -141,11 +142,10 @@ class GroupSweep {
     first_group_ = row * faces_.rows.groups;
     beyond_ = row * faces_.rows.excess - faces_.rows.behind;
     patch_ = -1;
-    const double* const across =
-        faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
+    across_ = faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
     lanes_.sync();
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real share = lanes_.load(across + p * width);
+    for (int p = slider_.first_lane / width; p < filled<packs>(lanes_); ++p) {  // the slider's
+      const Real share = lanes_.load(across_ + p * width);
       lanes_.store(amplitudes_ + p * width, share * u_[p]);
       if (v_ != nullptr) lanes_.store(amplitudes_ + (packs + p) * width, share * v_[p]);
     }

@@ -47,9 +47,8 @@ class SmoothDrive {
                             Overlaps<Lanes, packs>& overlaps,
                             const Contacts<Lanes, packs>& contacts,
                             const AdaptiveRecorder<Lanes, packs>& recorder,
-                            const SmoothStep<Lanes, packs>& step, ContactSet& set,
-                            StepControl& control, ShockTracking& shocks, WorkSpace& work,
-                            ShockBuffer& ended)
+                            SmoothStep<Lanes, packs>& step, ContactSet& set, StepControl& control,
+                            ShockTracking& shocks, WorkSpace& work, ShockBuffer& ended)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -197,7 +196,7 @@ class SmoothDrive {
   int* listed_;
   double* onsets_;
   int capacity_;
-  SmoothStep<Lanes, packs> step_;
+  SmoothStep<Lanes, packs>& step_;
   int cells_ = 0, flagged_ = 0;
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
