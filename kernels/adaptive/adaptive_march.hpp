@@ -433,10 +433,10 @@ class AdaptiveMarch {
     using Drive = SmoothDrive<Lanes, packs>;
     CarriedState& carried = state_.carried;
     WorkSpace& work = state_.work;
-    const SmoothStep<Lanes, packs> step(lanes_, tables_.modes, tables_.motion, tables_.adaptive,
-                                        tables_.forces, tables_.stages, node_contact(),
-                                        work.contact_list, work.series.forces,
-                                        carried.control.series_scale, now_, place, work.stages);
+    SmoothStep<Lanes, packs> step(lanes_, tables_.modes, tables_.motion, tables_.adaptive,
+                                  tables_.forces, tables_.stages, node_contact(), work.contact_list,
+                                  work.series.forces, carried.control.series_scale, now_, place,
+                                  work.stages);
     Drive make_step(lanes_, tables_.modes, tables_.motion, tables_.bounds, tables_.faces,
                     tables_.adaptive, tables_.forces, path_, node_contact(), moving_forces_,
                     overlaps_, contacts_, recorder_, step, carried.contacts, carried.control,
