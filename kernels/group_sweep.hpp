@@ -20,6 +20,9 @@ template <class Lanes, int packs>
 class GroupSweep {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
+  /// Whether the modes' displacements on a row are read from memory: in a loop that is not unrolled
+  /// u and v would leave a GPU's registers.
+  static constexpr bool in_memory = width == 32;
 
  public:
   /// At the displacements u and, for their rates, the velocities v. `amplitudes` (two
@@ -120,8 +123,15 @@ class GroupSweep {
     Real part[4], rate[4];
     for (int j = 0; j < 4; ++j) part[j] = rate[j] = Real(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real share = lanes_.load(across_ + p * width), u = share * u_[p];
-      const Real v = rates ? share * v_[p] : Real(0.0);
+      Real u, v(0.0);
+      if constexpr (in_memory) {
+        u = lanes_.load(amplitudes_ + p * width);
+        if constexpr (rates) v = lanes_.load(amplitudes_ + (packs + p) * width);
+      } else {
+        const Real share = lanes_.load(across_ + p * width);
+        u = share * u_[p];
+        if constexpr (rates) v = share * v_[p];
+      }
       for (int j = 0; j < 4; ++j) {
         const Real derivative = lanes_.load(rows + (j * packs + p) * width);
         part[j] = multiply_add(derivative, u, part[j]);
@@ -144,7 +154,9 @@ class GroupSweep {
     patch_ = -1;
     across_ = faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
     lanes_.sync();
-    for (int p = slider_.first_lane / width; p < filled<packs>(lanes_); ++p) {  // the slider's
+    // else the packs that hold modes of the slider
+    const int first = in_memory ? 0 : slider_.first_lane / width;
+    for (int p = first; p < filled<packs>(lanes_); ++p) {
       const Real share = lanes_.load(across_ + p * width);
       lanes_.store(amplitudes_ + p * width, share * u_[p]);
       if (v_ != nullptr) lanes_.store(amplitudes_ + (packs + p) * width, share * v_[p]);

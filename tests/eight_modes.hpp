@@ -13,7 +13,6 @@ inline constexpr int K = (8 + width - 1) / width, modes = K * width;
 using Real = HostLanes::Real;
 using Amplitudes = std::array<double, modes>;
 
-struct NoTeam {};
-inline const HostLanes lanes{NoTeam{}};
+inline const HostLanes lanes;
 
 }  // namespace ra2d::test

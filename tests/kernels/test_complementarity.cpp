@@ -34,8 +34,7 @@ constexpr int K = (most_modes + width - 1) / width, stride = K * width;
 using Real = HostLanes::Real;
 constexpr double ulp = std::numeric_limits<double>::epsilon();
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 // ---- problem and solver -----------------------------------------------------------------------
 

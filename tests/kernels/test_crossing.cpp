@@ -21,8 +21,7 @@ constexpr double u = std::numeric_limits<double>::epsilon() / 2;  // one roundin
 constexpr int highest_degree = overlap_terms - 1;
 using Coefficients = std::vector<double>;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 int degree(const Coefficients& c) { return static_cast<int>(c.size()) - 1; }
 

@@ -21,8 +21,7 @@ constexpr int width = HostLanes::width;
 constexpr double u = std::numeric_limits<double>::epsilon() / 2;  // one rounding
 using Real = HostLanes::Real;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 // ---- the cubic by itself ----------------------------------------------------------------------
 

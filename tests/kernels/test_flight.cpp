@@ -29,8 +29,7 @@ constexpr int width = HostLanes::width;
 constexpr int K = 2, modes = K * width;
 using Real = HostLanes::Real;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 /// Modes of all kinds, one a lane, with the tables that the march would have.
 struct Flying {

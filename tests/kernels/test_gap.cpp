@@ -25,8 +25,7 @@ using namespace ra2d;
 constexpr int width = HostLanes::width;
 using Real = HostLanes::Real;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 SceneTables moving(double position, double advance, int windows = 1) {
   SceneTables t;

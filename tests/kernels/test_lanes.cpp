@@ -20,8 +20,7 @@ using test::infinity;
 using test::nan;
 using Values = std::array<double, width>;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 static_assert(std::has_single_bit(static_cast<unsigned>(width)), "the sum's tree halves the lanes");
 

@@ -19,8 +19,7 @@ constexpr int width = HostLanes::width;
 constexpr int K = (2 + width - 1) / width, stride = K * width;  // two modes, on lanes 0 and 1
 using Real = HostLanes::Real;
 
-struct NoTeam {};
-const HostLanes lanes{NoTeam{}};
+const HostLanes lanes;
 
 TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
   // One resonator mode that is the cubic y^3 + 2 y^2 - 3 y + 5 of y = (x - centre of patch 1)/chi,
