@@ -237,8 +237,7 @@ TEST(ExpectedWork, IsWithinAFactorOfThreeOfTheStridesMade) {
     const double expected = expected_work(s).steps;
     EXPECT_GT(expected, made / 3) << what << ": " << made << " made";
     EXPECT_LT(expected, made * 3) << what << ": " << made << " made";
-    EXPECT_GT(expected_work(s).march, 0.3e-6 * made)
-        << what;  // s: a step takes some microseconds
+    EXPECT_GT(expected_work(s).march, 0.3e-6 * made) << what;  // s: a step takes some microseconds
     EXPECT_LT(expected_work(s).march, 30e-6 * made) << what;
   };
   check("as it is", [](Scene&) {});
