@@ -43,7 +43,7 @@ def draw(costs, picture):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, (over_spacing, over_area) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
+    figure, (over_spacing, over_area) = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
     for side in sorted({side for side, _ in costs}):
         points = [(spacing, cost["wall_per_second"]) for (own, spacing), cost in costs.items() if own == side]
         if len(points) > 1:
@@ -61,6 +61,8 @@ def draw(costs, picture):
                         (over_area, [area for area, _ in areas])):
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
+    ticks = [0.5, 1, 2, 5, 10, 20]
+    over_spacing.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     figure.savefig(picture, dpi=110)
 
 

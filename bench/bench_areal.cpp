@@ -9,16 +9,18 @@
 // shocks and evaluated nodes per simulated second, seconds until it is ready, and the largest
 // number of nodes in contact at once.
 //
-// Came out with `adaptive` at 1e-6 on one core with eight lanes, others at work beside it (wall
-// seconds per simulated second; steps of 10 us, but 4 us at 8 um):
+// Came out with `adaptive` at 1e-6 on one core with eight lanes (wall seconds per simulated second,
+// medians of three; steps of 10 us, but 4 us at 8 um):
 //
 //   spacing      64 um   50 um   32 um   16 um   8 um
-//   10 x 10 mm   1.2     1.2     1.4     2.3
-//   20 x 20 mm   1.9             2.0     3.9     19       (6.25 million nodes, 1.45 GB, 59 touch)
+//    5 x  5 mm                   0.70
+//   10 x 10 mm   0.91    0.94    1.06    1.9
+//   20 x 20 mm   1.6             1.6     3.1     15       (6.25 million nodes, 59 touch)
+//   40 x 40 mm                   4.2
 //
-// and 11 with `midpoint` at 1e-7 s, of 10 mm at 50 um.
+// areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //
-// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former a quarter goes into overlaps
+// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former a fifth goes into overlaps
 // of candidate groups, a sixth into the series of the modes; of the latter half into the series,
 // which count every node in contact.
 #include <benchmark/benchmark.h>
