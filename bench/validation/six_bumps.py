@@ -7,27 +7,32 @@ six_bumps_calculix.py has the numbers of the scene and what CalculiX makes of it
 minutes, so its results are kept in docs/validation/six-bumps-*.csv, and all forms compare with
 these.
 
-Two things part the two by theory: ra2d's plate is Kirchhoff's, without shear and rotary inertia,
-and the implicit steps of CalculiX (Hilber, Hughes and Taylor) lower and damp higher modes. A few
-lines here march the same modes and contact on their own, with the frequencies of either theory
-(Mindlin's for four such edges, in closed form), exactly or in those steps. These are differences
-observed in this scene, no bounds. What is checked of the explanation is its direction: a plate with
-shear, in CalculiX's steps, must come nearer to CalculiX than ra2d's.
+What CalculiX itself is in doubt by is seen where its step is twice as long, its elements half as
+wide, or those of the block. ra2d's own doubt is seen in twice the modes and twice the spacing. Both
+must agree within the sum of these: differences observed in this scene, no bounds from theory.
+
+By theory shear and rotary inertia part the two as well: ra2d's plate is Kirchhoff's. How far, a few
+lines say: the same modes and contact, marched on their own with the frequencies of either theory
+(Mindlin's for four such edges, in closed form). In CalculiX two things work against them. Wide
+elements make fast modes too fast, and the bumps stiffen the plate, as they are of its steel. Its
+natural frequencies say how much of shear is left.
 """
 import csv
 
 import numpy as np
 
 import common
-from six_bumps_calculix import (BEST, BLOCK, BUMPS, DENSITY, DURATION, HEIGHT, LENGTH, MESHES, OVERLAP, PITCH, POISSON, PROBE, ROW,
-                                SPEED, START, STIFFNESS, THICKNESS, WIDTH, YOUNG, block_heights, input_text, mark, plate_heights)
+from six_bumps_calculix import (BEST, BLOCK, BUMPS, DENSITY, DURATION, HEIGHT, LENGTH, MESHES, OF_FREQUENCIES, OVERLAP, PITCH,
+                                POISSON, PROBE, ROW, SPEED, START, STIFFNESS, THICKNESS, WIDTH, YOUNG, block_heights, input_text, mark, plate_heights)
 
-MODES, MORE, FEW = 100, 200, 50
+MODES, MORE = 100, 200
 SPACING, COARSE = 4e-5, 8e-5          # m, of nodes
 TOLERANCE = 1e-9
-UNAMBIGUOUS = 120                     # modes, below the first two of one frequency
+HALF = 1.5e-3                         # s: the first three bumps, of the short form
+OWN_SPACING = "its spacing: 80 um instead of 40"
+SHEAR = "shear and rotary inertia, by theory"
 BENDING = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
-COARSE_STEP, FINE_MESH, FINE_CONTACT = "160-elements-4us", "640-elements-4us", "160-elements-4us-block-16"
+LONG, FINE, BLOCKS, LONGEST = "160-elements-4us", "640-elements-8us", "160-elements-8us-fine-block", "160-elements-8us"
 
 
 def rows_of(spacing, length):
@@ -35,7 +40,7 @@ def rows_of(spacing, length):
     return spacing * (np.arange(round(length / spacing)) + 0.5)
 
 
-def scene(case, modes, spacing, tolerance):
+def scene(case, modes, spacing, duration, rate):
     y = ROW - BLOCK / 2 + rows_of(spacing, BLOCK)[:, None]
     x = spacing * np.arange(round(LENGTH / spacing) + 1)
     plate = plate_heights(x, y)
@@ -47,33 +52,34 @@ def scene(case, modes, spacing, tolerance):
         return {"kind": "file", "path": f"{name}.npy", "spacing": spacing, "spacing_y": spacing}
 
     return {
-        "scene": {"kind": "areal", "duration": DURATION, "speed": SPEED, "start": START - BLOCK / 2, "side": ROW - BLOCK / 2,
+        "scene": {"kind": "areal", "duration": duration, "speed": SPEED, "start": START - BLOCK / 2, "side": ROW - BLOCK / 2,
                   "gap": 2 * HEIGHT - OVERLAP - plate.mean() - block.mean(), "spacing": spacing, "initial": "rest"},
         "resonator": {"support": "pinned", "length": LENGTH, "width": WIDTH, "thickness": THICKNESS, "young": YOUNG,
                       "poisson": POISSON, "density": DENSITY, "damping": 0.0, "modes": modes, "surface": surface("plate")},
         "slider": {"support": "rigid", "length": BLOCK, "width": BLOCK, "surface": surface("block")},
         "contact": {"law": "penalty", "stiffness": STIFFNESS},
-        "time": {"scheme": "adaptive", "tolerance": tolerance},
-        "output": {"rate": 1e6, "probes": [list(PROBE)]},
+        "time": {"scheme": "adaptive", "tolerance": TOLERANCE},
+        "output": {"rate": rate, "probes": [list(PROBE)]},
     }
 
 
-def marched(case, modes=MODES, spacing=SPACING, tolerance=TOLERANCE):
-    """The columns of six-bumps-*.csv. The largest pressure is at the summits' nodes alone."""
-    time, probe, force, plate = case.run(scene(case, modes, spacing, tolerance), "time", "probes/displacement", "contact/force",
+def marched(case, modes=MODES, spacing=SPACING, duration=DURATION, rate=1e6):
+    """The columns of six-bumps-*.csv. The largest pressure is that of ra2d's displacements at
+    points COARSE apart."""
+    time, probe, force, plate = case.run(scene(case, modes, spacing, duration, rate), "time", "probes/displacement", "contact/force",
                                          "resonator/displacement")
     pressure = np.zeros_like(time)
-    if modes <= UNAMBIGUOUS:
-        meeting = Meeting(False, modes, COARSE)
-        for i in np.flatnonzero(force):
-            pressure[i] = meeting.pressure(time[i], plate[i]).max()
+    meeting = Meeting(False, modes, COARSE)
+    for i in np.flatnonzero(force):
+        pressure[i] = meeting.pressure(time[i], plate[i]).max()
     return np.column_stack([time, probe[:, 0], force, pressure])
 
 
 def chosen_modes(count):
-    """Half-waves (m, n) along x and y of the lowest modes."""
+    """Half-waves (m, n) along x and y of the lowest modes; of one frequency first that with fewer
+    along x, as in ra2d. In whole numbers, so that equal frequencies are equal."""
     m, n = np.mgrid[1:60, 1:60].reshape(2, -1)
-    lowest = np.argsort((m / LENGTH)**2 + (n / WIDTH)**2, kind="stable")[:count]
+    lowest = np.argsort((m * round(1e3 * WIDTH))**2 + (n * round(1e3 * LENGTH))**2, kind="stable")[:count]
     return m[lowest], n[lowest]
 
 
@@ -148,35 +154,6 @@ def by_hand(shear, step=4e-7, spacing=COARSE):
     return np.array(found)
 
 
-def in_steps(step, spacing=COARSE, alpha=-0.05):
-    """The same with shear, modes and contact in the implicit steps of CalculiX."""
-    meeting = Meeting(True, MODES, spacing)
-    omega, mass = meeting.omega, meeting.mass
-    beta, gamma = (1 - alpha)**2 / 4, 0.5 - alpha
-    share = (1 + alpha) * beta * step**2
-    u, v, a, force = np.zeros((4, MODES))
-    found = []
-    for time in step * np.arange(round(DURATION / step) + 1):
-        ahead, new, last = u + step * v + (0.5 - beta) * step**2 * a, a, force
-        for _ in range(50):  # Newton's
-            u = ahead + beta * step**2 * new
-            pressure = meeting.pressure(time, u)
-            force = mass * omega**2 * u
-            stiff = np.diag(mass * (1 + share * omega**2))
-            if pressure.any():
-                force = force + meeting.load(time, pressure)
-                i, j = np.nonzero(pressure)
-                touching = meeting.set(time)[1][i] * meeting.across[j]
-                stiff = stiff + share * STIFFNESS * meeting.area * touching.T @ touching
-            change = np.linalg.solve(stiff, mass * new + (1 + alpha) * force - alpha * last)
-            new = new - change
-            if np.abs(change).max() <= 1e-9 * np.abs(new).max():
-                break
-        v, a = v + step * ((1 - gamma) * a + gamma * new), new
-        found.append(meeting.row(time, u, pressure))
-    return np.array(found)
-
-
 def touched(time, force):
     """How long a force is over a tenth of its largest, straight between samples [s]."""
     level = force.max() / 10
@@ -188,10 +165,10 @@ def touched(time, force):
 
 
 def shocks(found):
-    """Of each bump: time of the impulse's centre [s], impulse [N s], duration [s], largest pressure
+    """Of each bump that is passed: time of the impulse's centre [s], impulse [N s], duration [s], largest pressure
     [Pa]."""
     rows = []
-    for at in BUMPS:
+    for at in (at for at in BUMPS if START + SPEED * found[-1, 0] > at + 0.45 * PITCH):
         part = found[np.abs(START + SPEED * found[:, 0] - at) <= PITCH / 2]
         time, force = part[:, 0], part[:, 2]
         impulse = np.trapz(force, time)
@@ -216,3 +193,124 @@ def differences(first, second):
     off = np.abs(ours - peer)
     moved = np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1]) - second[:, 1]).max() / np.abs(second[:, 1]).max()
     return off[:, 0].max(), off[:, 1].max() / peer[:, 1].max(), off[:, 2].max(), (off[:, 3] / peer[:, 3]).max(), moved
+
+
+def sum_of(pairs):
+    """The sum of what each pair differs by, of each of MEASURES."""
+    return np.sum([differences(*pair) for pair in pairs], axis=0)
+
+
+def compare(case):
+    strange = [mesh for mesh in MESHES if f"input {mark(input_text(mesh))};" not in calculix(mesh)[1]]
+    case.check("CalculiX: meshes whose kept results are of another input", len(strange), 0.5, "the results are of this scene")
+    best, long, longest, fine, blocks = (calculix(mesh)[0] for mesh in (BEST, LONG, LONGEST, FINE, BLOCKS))
+    causes = {"CalculiX's step: 4 us instead of 2": (long, best), "its plate's elements: 2 mm instead of 4": (fine, longest),
+              "its block's elements: 0.25 mm instead of 0.5": (blocks, longest)}
+    if case.short:
+        found = marched(case, spacing=COARSE, duration=HALF, rate=2.5e5)
+        check(case, found, best[best[:, 0] < HALF],
+              {what: [each[each[:, 0] < HALF] for each in pair] for what, pair in causes.items()})
+        return
+    found = marched(case)
+    causes |= {"ra2d's modes: 200 instead of 100": (marched(case, MORE), found),
+               OWN_SPACING: (marched(case, spacing=COARSE), found)}
+    check(case, found, best, causes)
+    kirchhoff = by_hand(False)
+    rough = differences(by_hand(False, step=8e-7, spacing=2 * COARSE), kirchhoff)
+    coarser = differences(*causes[OWN_SPACING])
+    for what, ours, step, spacing in zip(MEASURES, differences(found, kirchhoff), rough, coarser):
+        case.check(f"ra2d beside the same modes by hand: {what}", ours, step + spacing,
+                   "what these move with twice their step and spacing, and ra2d with twice its own")
+    report(case, found, best, causes, {SHEAR: (by_hand(True), kirchhoff)})
+
+
+def check(case, found, best, causes):
+    for what, ours, most in zip(MEASURES, differences(found, best), sum_of(causes.values())):
+        case.check(f"ra2d beside CalculiX: {what}", ours, most, "what the mesh and step of either move")
+
+
+def in_words(found):
+    """The differences as a table has them."""
+    times, impulses, durations, pressures, displaced = found
+    return [common.shown(each) for each in (1e6 * times, 100 * impulses, 1e6 * durations, 100 * pressures, 100 * displaced)]
+
+
+def report(case, found, best, causes, theories):
+    for name, each in (("", differences(found, best)), ("own-", sum_of(causes.values())),
+                       ("shear-", differences(*theories[SHEAR])),
+                       ("with-shear-", differences(theories[SHEAR][0], best))):
+        for measure, value in zip(("times", "impulses", "durations", "pressures", "displacement"), in_words(each)):
+            case.text(name + measure, value)
+    rows = []
+    ours, peers = shocks(found), shocks(best)
+    for i, (own, peer) in enumerate(zip(ours, peers)):
+        rows.append((i + 1, f"{1e6 * peer[0]:.1f}", f"{1e6 * (own[0] - peer[0]):+.1f}", f"{1e6 * peer[1]:.3f}",
+                     f"{100 * (own[1] / peer[1] - 1):+.1f}", f"{1e6 * peer[2]:.1f}", f"{1e6 * (own[2] - peer[2]):+.1f}",
+                     f"{1e-3 * peer[3]:.1f}", f"{100 * (own[3] / peer[3] - 1):+.1f}"))
+    case.text("shocks", common.markdown(
+        ("bump", "CalculiX: time, us", "ra2d, us", "CalculiX: impulse, uN s", "ra2d, %", "CalculiX: duration, us", "ra2d, us",
+         "CalculiX: largest pressure, kPa", "ra2d, %"), rows))
+    head = ("", "times, us", "impulses, %", "durations, us", "pressures, %", "displacement, %")
+    case.text("causes", common.markdown(head, [(what, *in_words(differences(*pair)))
+                                               for what, pair in (causes | theories).items()]))
+    case.text("peers", common.markdown(("CalculiX", *(f"from ra2d: {word}" for word in head[1:]), "takes, s"), [
+        (mesh.replace("-", " ").replace("us", " us"), *in_words(differences(found, peer)), note.split()[2])
+        for mesh, (peer, note) in ((mesh, calculix(mesh)) for mesh in MESHES)]))
+    notes = [calculix(mesh)[1] for mesh in MESHES]
+    case.text("peer-minutes", f"{sum(float(note.split()[2]) for note in notes) / 60:.0f}")
+    case.text("version", notes[0].split()[-1])
+    case.text("elements", BEST.split("-")[0])
+    case.text("shortest", 1e6 * peers[:, 2].min())
+    case.text("longest", 1e6 * peers[:, 2].max())
+    of_frequencies(case)
+    case.table(("bump", *(f"{name}: {what}" for name in ("ra2d", "calculix")
+                          for what in ("time, s", "impulse, N s", "duration, s", "largest pressure, Pa"))),
+               [(i + 1, *ours[i], *peers[i]) for i in range(len(BUMPS))])
+    draw(case, found, best)
+
+
+def of_frequencies(case):
+    """How far natural frequencies are from Kirchhoff's, those of one mode by their order: in both
+    meshes and by theory with shear. Beyond 30 modes the order is another one."""
+    path = common.ROOT / "docs" / "validation" / "six-bumps-frequencies.csv"
+    meshes = np.loadtxt(path, delimiter=",", skiprows=1)[:30]
+    m, n = chosen_modes(len(meshes))
+    plain, shear = (theory(np.pi * np.hypot(m / LENGTH, n / WIDTH), each)[0] / 2 / np.pi for each in (False, True))
+    rows = []
+    for i in (0, 9, 19, 29):
+        rows.append((f"{m[i]}, {n[i]}", f"{1e-3 * plain[i]:.2f}",
+                     *(f"{100 * (each / plain[i] - 1):+.2f}" for each in (shear[i], *meshes[i]))))
+    case.text("frequencies", common.markdown(
+        ("half-waves", "Kirchhoff, kHz", "with shear, %", *(f"{mesh.rsplit('-', 1)[0].replace('-', ' ')}, %"
+                                                            for mesh in OF_FREQUENCIES)), rows))
+    for name, column in (("shear", shear), ("coarse", meshes[:, 0]), ("fine", meshes[:, 1])):
+        case.text(f"frequency-{name}", f"{100 * (column[-1] / plain[-1] - 1):+.2f}")
+    case.text("frequency", f"{1e-3 * plain[-1]:.0f}")
+
+
+def draw(case, found, best):
+    plt, style = common.pictures()
+    figure = plt.figure(figsize=(7, 5.4), layout="constrained")
+    grid = figure.add_gridspec(2, len(BUMPS))
+    axes = figure.add_subplot(grid[0, :])
+    lines = ((best, "CalculiX", style.BLACK, "-", 1.8), (found, "ra2d", style.SKY, "-", 1.0))
+    for each, label, colour, line, width in lines:
+        part = each[::max(1, len(each) // 750)]
+        axes.plot(1e3 * part[:, 0], 1e9 * part[:, 1], color=colour, ls=line, lw=width, label=label)
+    axes.set(title="Displacement of the plate's probe", xlabel="ms", ylabel="nm")
+    axes.legend(loc="upper left", ncols=2)
+    first = None
+    for i, (time, *_) in enumerate(shocks(best)):
+        first = axes = figure.add_subplot(grid[1, i], sharey=first)
+        for each, _, colour, line, width in lines:
+            part = each[np.abs(each[:, 0] - time) < 120e-6]
+            axes.plot(1e6 * (part[:, 0] - time), 1e3 * part[:, 2], color=colour, ls=line, lw=width)
+        axes.set(xlim=(-120, 120), xticks=(-80, 0, 80), title=f"{1e3 * time:.2f} ms")
+        axes.tick_params(labelleft=i == 0)
+        if i == 0:
+            axes.set(ylabel="contact force, mN", xlabel="us")
+    case.figure(figure)
+
+
+if __name__ == "__main__":
+    common.main("six-bumps", compare)

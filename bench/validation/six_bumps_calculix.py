@@ -5,7 +5,7 @@ it, keeps what the case six-bumps compares with.
 
     six_bumps_calculix.py --input MESH FILE.inp     writes the input of one of the meshes
     six_bumps_calculix.py --run CCX FOLDER [MESH]   runs CalculiX on all meshes or some;
-    FOLDER/six-bumps-MESH.csv
+    FOLDER/six-bumps-MESH.csv, six-bumps-frequencies.csv
 
 A rigid block, round below, slides at a given height and speed over six bumps of a plate. The plate
 is one layer of solids with twenty nodes and reduced integration (C3D20R). They lock neither in
@@ -48,6 +48,7 @@ MESHES = {"160-elements-2us": (4, 8, 2e-6),
           "640-elements-8us": (2, 8, 8e-6),
           "160-elements-8us-fine-block": (4, 16, 8e-6)}
 BEST = next(iter(MESHES))  # one that takes minutes; what a finer mesh changes, the last two say
+OF_FREQUENCIES, FREQUENCIES = ("160-elements-8us", "640-elements-8us"), 40
 COLUMNS = ("time, s", "displacement of the probe, m", "contact force, N", "largest contact pressure, Pa")
 CURVED = HEIGHT / 2 / (PITCH / 2)**2  # 1/m: a summit at (0, 0) falls by this times x^2 + y^2
 
@@ -108,7 +109,8 @@ def of_set(name, numbers):
     return [f"*NSET,NSET={name}", *(",".join(map(str, numbers[i:i + 12])) for i in range(0, len(numbers), 12))]
 
 
-def input_text(mesh):
+def input_text(mesh, frequencies=0):
+    """The run of a mesh, or so many of its natural frequencies."""
     side, of_block, step = MESHES[mesh]
     made = Mesh()
     along, across = round(1e3 * LENGTH / side), round(1e3 * WIDTH / side)
@@ -140,6 +142,9 @@ def input_text(mesh):
     lines += of_set("SLIDING", made.chosen("block", lambda i, j, k: True))
     probe = [round(2e3 * place / side) for place in PROBE]
     lines += of_set("PROBE", made.chosen("plate", lambda i, j, k: [i, j] == probe and k == 0))
+    if frequencies:
+        return "\n".join([*lines, "*BOUNDARY", "ENDS,2,3,0.", "SIDES,1,1,0.", "SIDES,3,3,0.", "SLIDING,1,3,0.", "FLYING,1,3,0.",
+                          "*STEP", "*FREQUENCY", str(frequencies), "*NODE PRINT,NSET=PROBE", "U", "*END STEP"]) + "\n"
     lines += ["*INITIAL CONDITIONS,TYPE=VELOCITY", "FLYING,2,1e8", f"SLIDING,1,{1e3 * SPEED:.9g}"]
     lines += ["*SURFACE,NAME=MASTER", *(f"{number},S2" for (i, j), number in plate.items()
                                         if abs((j + 0.5) * side * 1e-3 - ROW) < PITCH / 2),
@@ -182,6 +187,21 @@ def kept(text):
     return rows
 
 
+def natural(ccx, folder):
+    """Keeps the natural frequencies of the plate as the meshes have it."""
+    columns = []
+    for mesh in OF_FREQUENCIES:
+        with tempfile.TemporaryDirectory() as scratch:
+            (pathlib.Path(scratch) / "plate.inp").write_text(input_text(mesh, FREQUENCIES))
+            subprocess.run([ccx, "plate"], cwd=scratch, stdout=subprocess.DEVNULL, check=True,
+                           env={**os.environ, "OMP_NUM_THREADS": "1"})
+            lines = (pathlib.Path(scratch) / "plate.dat").read_text().split("P A R T I C I P")[0].splitlines()
+        columns.append([line.split()[3] for line in lines if len(line.split()) == 5 and line.split()[0].isdigit()])
+    with open(folder / "six-bumps-frequencies.csv", "w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([[f"{mesh}: frequency, Hz" for mesh in OF_FREQUENCIES],
+                                                         *zip(*columns, strict=True)])
+
+
 def run(ccx, mesh, folder):
     version = subprocess.run([ccx, "-v"], text=True, capture_output=True).stdout.split()[-1]
     text = input_text(mesh)
@@ -210,6 +230,7 @@ def main():
     if options.input:
         pathlib.Path(options.input[1]).write_text(input_text(options.input[0]))
     if options.run:
+        natural(options.run[0], pathlib.Path(options.run[1]))
         for mesh in options.meshes:  # one after the other: each takes minutes of one core
             run(options.run[0], mesh, pathlib.Path(options.run[1]))
 
