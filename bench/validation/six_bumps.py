@@ -23,7 +23,8 @@ import numpy as np
 
 import common
 from six_bumps_calculix import (BEST, BLOCK, BUMPS, DENSITY, DURATION, HEIGHT, LENGTH, MESHES, OF_FREQUENCIES, OVERLAP, PITCH,
-                                POISSON, PROBE, ROW, SPEED, START, STIFFNESS, THICKNESS, WIDTH, YOUNG, block_heights, input_text, mark, plate_heights)
+                                POISSON, PROBE, ROW, SPEED, START, STIFFNESS, THICKNESS, WIDTH, YOUNG, block_heights, input_text, mark,
+                                plate_heights)
 
 MODES, MORE = 100, 200
 SPACING, COARSE = 4e-5, 8e-5          # m, of nodes
