@@ -26,14 +26,15 @@ std::int64_t available_memory() {
   for (std::string word; system >> word;)
     if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
       most = std::min(most, 1024 * kibibytes);
-  // that limit counts addresses, also those of memory that is never touched
-  constexpr double touched = 0.8;
+  // That limit counts addresses, also those of memory that is never touched: of each thread 64 MB
+  // for its small blocks. Where none are left HDF5 may crash.
+  constexpr double touched = 0.8, of_threads = 3 * 0x1p26;
   rlimit limit{};
   std::int64_t pages = 0;
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
       std::ifstream("/proc/self/statm") >> pages) {
     const auto taken = static_cast<double>(pages * sysconf(_SC_PAGESIZE));
-    const double left = touched * (static_cast<double>(limit.rlim_cur) - taken);
+    const double left = touched * (static_cast<double>(limit.rlim_cur) - taken) - of_threads;
     most = std::min(most, std::max<std::int64_t>(0, std::llround(left)));
   }
   return most;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Areal scenes from their files: keys, faces, refusals, and what the commands make of them.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -730,6 +731,20 @@ TEST_F(ArealProgram, ChartsOfStabilityMeetTheTheory) {
   const test::Ended chart = run(rough({"chart", "stability", "s.toml", "--no-plot", "-o", "c"}));
   ASSERT_EQ(chart.status, 0) << chart.err;
   EXPECT_THAT(chart.out, HasSubstr("midpoint                      1.999 | 1.999"));
+}
+
+TEST_F(ArealProgram, IsRefusedWhereLimitedMemoryIsTooLittle) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "sanitizers reserve addresses without end";
+#endif
+  // 6.25 million nodes: the run itself takes some 940 MB of addresses
+  const std::string line =
+      fmt::format("ulimit -v 900000; exec '{}' run '{}' -o m.h5 --set {}", test::program(),
+                  test::scene_file("areal"), "scene.spacing=8e-6 --set scene.duration=1e-3");
+  const test::Ended ended = test::run_program(folder_.path(), {"/bin/bash", "-c", line});
+  EXPECT_EQ(ended.status, 2) << ended.out;
+  EXPECT_THAT(ended.err, HasSubstr("GB are free"));
+  EXPECT_FALSE(fs::exists(folder_.path() / "m.h5"));
 }
 
 TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
