@@ -37,9 +37,6 @@ struct BudgetRequest {
 
 int make_budget(BudgetRequest& request) {
   const Scene scene = read_scene(request.scene, request.overrides);
-  if (scene.resonator.surface.kind == SurfaceKind::file ||
-      scene.slider.surface.kind == SurfaceKind::file)
-    require_plane(scene, "uncertainty of measured faces");
   if (request.folder.empty()) request.folder = request.scene.stem().string() + "-uncertainty";
   if (!request.csv.empty()) {
     std::vector<fs::path> read = files_of(scene);

@@ -38,12 +38,6 @@ void set_spacing(Scene& scene, double spacing) {
   scene.spacing = spacing;
 }
 
-void require_plane(const Scene& scene, const std::string& what) {
-  if (scene.kind == SceneKind::areal)
-    throw refusal(scene, "scene.kind",
-                  what + " is not built yet for areal scenes: expected a plane one");
-}
-
 bool has_equilibrium(const Scene& scene) {
   if (scene.resonator.support == Support::free) return false;
   return scene.slider.support != Support::free || scene.slider.load_is_weight ||

@@ -205,9 +205,6 @@ void make_areal(Scene& scene);
 /// as they were, one against the other.
 void set_spacing(Scene& scene, double spacing);
 
-/// Throws RequestError where a scene is areal: `what` is not built for them.
-void require_plane(const Scene& scene, const std::string& what);
-
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
 /// a free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);

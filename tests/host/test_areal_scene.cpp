@@ -747,15 +747,9 @@ TEST_F(ArealProgram, IsRefusedWhereLimitedMemoryIsTooLittle) {
   EXPECT_FALSE(fs::exists(folder_.path() / "m.h5"));
 }
 
-TEST_F(ArealProgram, AnalyzesAndRefusesWhatItHasNot) {
+TEST_F(ArealProgram, AnalyzesItsResults) {
   ASSERT_EQ(run(rough({"run", "s.toml", "-o", "a.h5"})).status, 0);
   EXPECT_EQ(run({"analyze", "a.h5"}).status, 0);
-  for (const std::vector<std::string>& words : {std::vector<std::string>{
-           "uncertainty", "s.toml", "--set", "slider.surface={kind=\"file\",path=\"s.toml\"}"}}) {
-    const test::Ended ended = run(words);
-    EXPECT_EQ(ended.status, 2) << words[0];
-    EXPECT_THAT(ended.err, AllOf(HasSubstr("areal"), HasSubstr("not built yet"))) << words[0];
-  }
 }
 
 TEST_F(ArealProgram, LibrariesOpenItsResultAndItIsDrawn) {

@@ -10,7 +10,7 @@ import os
 import pathlib
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ import pandas as pd
 from . import files
 from .errors import Notice, RequestError
 from .estimate import Estimate
-from .realisations import Face, of_scene
+from .realisations import Face, has_measured_map, of_scene
 from .scenes import Scene, scene
 from .student import half_interval
 from .studies import Study, study
@@ -245,8 +245,9 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
         cases["tolerance"] = ("a tenth", {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
     else:
         cases["step"] = _other_step(what, time["step"])
-    spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
-    cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
+    if not has_measured_map(complete):  # which is taken node for node
+        spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
+        cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
     modes = _with_modes(complete, bodies, 1.5)
     if modes:
@@ -330,7 +331,7 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     same call continues it.
 
     Realisations of a random face are other seeds. Of a measured one they are other stretches of its
-    trace where it is long enough, then its mirror image, then surrogates: the same spectrum with
+    trace or map where it is large enough, then its mirror images, then surrogates: the same spectrum with
     other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as
     they stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
     surrogate the amplitude of each wave: both scatter less than other traces would.
@@ -358,11 +359,13 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
         warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")  # told in the notes
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
     runs = _runs(table, [AS_GIVEN, *cases])
-    return _of_runs(runs, cases, faces, table)
+    notes = ["spacing: a measured map is taken node for node, so what a finer one would change is not in this budget"
+             ] if has_measured_map(complete) else []
+    return _of_runs(runs, cases, faces, table, notes)
 
 
 def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]],
-             table_of: Study) -> Budget:
+             table_of: Study, notes: Sequence[str] = ()) -> Budget:
     rows = {CHANCE: f"{len(faces)} realisations", **{name: how for name, (how, _) in cases.items()}}
     table = pd.DataFrame({"changed to": pd.Series(rows, dtype=object)}).reindex(list(rows))
     found: dict[str, Estimate] = {}
@@ -398,4 +401,4 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
     realisations = pd.DataFrame(
         pairs, index=pd.RangeIndex(1, len(faces) + 1, name="realisation"))
     return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, realisations, runs, dominant,
-                  _notes(runs), table_of)
+                  [*_notes(runs), *notes], table_of)

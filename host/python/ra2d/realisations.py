@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Other faces of the same roughness: seeds of random ones; of measured ones other stretches of the
-trace, the mirror image, and surrogates of equal spectrum."""
+trace or map, mirror images, and surrogates of equal spectrum."""
 from __future__ import annotations
 
 import dataclasses
@@ -56,32 +56,77 @@ def surrogate(heights: Heights, seed: int) -> tuple[Heights, float]:
     True
     """
     line = np.linspace(heights[0], heights[-1], heights.size)
-    wanted = heights - line
+    random = np.exp(2j * np.pi * np.random.default_rng(seed).random(heights.size // 2 + 1))
+    random[0] = 1
+    if heights.size % 2 == 0:
+        random[-1] = 1  # the line at half the rate is real
+    return _with_phases(heights, line, random)
+
+
+def map_surrogate(heights: Heights, seed: int) -> tuple[Heights, float]:
+    """As `surrogate`, of a map (rows, x). What is taken off before is its smooth part (Moisan
+    2011): a periodic map is left, without the steps from edge to edge. The smooth part does not
+    change with the phases, so the surrogate of a small map is some per cent rougher or smoother:
+    that counts in the error.
+
+    >>> z = np.random.default_rng(1).normal(size=(40, 60))
+    >>> other, error = map_surrogate(z, seed=1)
+    >>> other.shape, error < 0.1 and not np.allclose(z, other)
+    ((40, 60), True)
+    """
+    noise = np.fft.rfft2(np.random.default_rng(seed).normal(size=heights.shape))  # of real phases
+    noise[0, 0] = 1
+    made, _ = _with_phases(heights, _smooth_part(heights), noise / np.abs(noise))
+    apart = np.sort(made, axis=None) - np.sort(heights, axis=None)
+    return made, float(np.sqrt((apart ** 2).mean()) / heights.std()) if heights.std() > 0 else 0.0
+
+
+def _smooth_part(heights: Heights) -> Heights:
+    """The map whose Laplacian is that of the steps from each edge to the opposite one."""
+    steps = np.zeros_like(heights)
+    across, along = heights[-1] - heights[0], heights[:, -1] - heights[:, 0]
+    steps[0] += across
+    steps[-1] -= across
+    steps[:, 0] += along
+    steps[:, -1] -= along
+    rows, columns = heights.shape
+    laplacian = (2 * np.cos(2 * np.pi / rows * np.arange(rows))[:, None]
+                 + 2 * np.cos(2 * np.pi / columns * np.arange(columns // 2 + 1)) - 4)
+    laplacian[0, 0] = 1
+    lines = np.fft.rfft2(steps) / laplacian
+    lines[0, 0] = 0
+    smooth: Heights = np.fft.irfft2(lines, heights.shape)
+    return smooth
+
+
+def _with_phases(heights: Heights, taken_off: Heights, random: npt.NDArray[np.complex128]) -> tuple[Heights, float]:
+    """The surrogate that begins with these phases."""
+    wanted = heights - taken_off
     middle = float(wanted.mean())
     wanted = wanted - middle
     size = float(np.sqrt((wanted ** 2).mean()))
     if size == 0:
         return heights.copy(), 0.0
-    amplitude, ordered = np.abs(np.fft.rfft(wanted)), np.sort(wanted)
+    is_map = heights.ndim == 2
+    transform: Any = np.fft.rfft2 if is_map else np.fft.rfft
+    inverse: Any = np.fft.irfft2 if is_map else np.fft.irfft
+    shape: Any = heights.shape if is_map else heights.size
+    amplitude, ordered = np.abs(transform(wanted)), np.sort(wanted, axis=None)
 
     def impose(phases: npt.NDArray[np.complex128]) -> Heights:
-        made: Heights = np.fft.irfft(amplitude * phases, wanted.size)
+        made: Heights = inverse(amplitude * phases, shape)
         return made
 
     def error_of(made: Heights) -> float:
-        return float(np.sqrt(((np.sort(made) - ordered) ** 2).mean())) / size
+        return float(np.sqrt(((np.sort(made, axis=None) - ordered) ** 2).mean())) / size
 
-    random = np.exp(2j * np.pi * np.random.default_rng(seed).random(amplitude.size))
-    random[0] = 1
-    if wanted.size % 2 == 0:
-        random[-1] = 1  # the line at half the rate is real
     best = impose(random)
     error = error_of(best)
     made = best
     for _ in range(ROUNDS):
         ranked = np.empty_like(made)
-        ranked[np.argsort(made, kind="stable")] = ordered
-        spectrum = np.fft.rfft(ranked)
+        ranked.flat[np.argsort(made, axis=None, kind="stable")] = ordered
+        spectrum = transform(ranked)
         lengths = np.abs(spectrum)
         phases = np.where(lengths > 0, spectrum / np.where(lengths > 0, lengths, 1), 1)
         made = impose(phases)
@@ -90,7 +135,7 @@ def surrogate(heights: Heights, seed: int) -> tuple[Heights, float]:
             best, error = made, found
         elif found > 0.9999 * error:
             break
-    return best + line + middle, error
+    return best + taken_off + middle, error
 
 
 def offsets(trace: float, first: float, width: float) -> list[float]:
@@ -168,12 +213,88 @@ class _Measured:
         return Face(kind, f"{self.body}.surface.path", array(heights, self.spacing, folder / name)["path"], error)
 
 
+@dataclasses.dataclass
+class _MeasuredMap:
+    """A measured map of an areal scene, whole, as a run prepares it. Each variant is as large and
+    has the same mean, from which heights count; what is touched stands in the same place."""
+
+    body: str
+    face: Surface
+    heights: Heights                # (rows, x)
+    spacings: tuple[float, float]   # m, of rows and along x
+    first: tuple[int, int]          # where in the map the part begins that is touched: row, column
+    size: tuple[int, int]           # of that part
+
+    def variants(self, count: int, folder: pathlib.Path) -> list[Face]:
+        found = [self._written(AS_MEASURED, self.heights, folder)]
+        for steps in self._stretches():
+            if len(found) == count:
+                return found
+            by = [1e3 * step * apart for step, apart in zip(steps, self.spacings)]
+            moved = np.roll(self.heights, [-step for step in steps], (0, 1))
+            found.append(self._written(f"offset {by[1]:.6g} and {by[0]:.6g} mm", moved, folder))
+        for name, axes in (("mirror image", (1,)), ("mirror image across", (0,)), ("turned", (0, 1))):
+            if len(found) == count:
+                return found
+            back = [2 * self.first[axis] + self.size[axis] - self.heights.shape[axis] for axis in axes]
+            found.append(self._written(name, np.roll(np.flip(self.heights, axes), back, axes), folder))
+        for number in range(1, count - len(found) + 1):
+            made, error = map_surrogate(self.heights, seed=2 * number + BODIES.index(self.body))
+            found.append(self._written(f"surrogate {number}", made, folder, error))
+        return found
+
+    def _stretches(self) -> list[tuple[int, int]]:
+        """Steps [rows, columns] to other parts of the map, the nearest first; none overlaps."""
+        if "short" in self.face:
+            return []
+        places = [range(-(begin // part), (whole - begin) // part) for begin, part, whole in
+                  zip(self.first, self.size, self.heights.shape)]
+        found = [(i * self.size[0], j * self.size[1]) for i in places[0] for j in places[1] if (i, j) != (0, 0)]
+        return sorted(found, key=lambda steps: (abs(steps[0]) / self.size[0] + abs(steps[1]) / self.size[1], steps))
+
+    def _written(self, kind: str, heights: Heights, folder: pathlib.Path, error: float = 0.0) -> Face:
+        name = f"{self.body}-{kind.replace(' ', '-').replace('.', '_')}.npy"
+        path = array(heights, self.spacings[1], folder / name, spacing_y=self.spacings[0])["path"]
+        return Face(kind, f"{self.body}.surface.path", path, error)
+
+    def words(self, path: str) -> dict[str, Any]:
+        """The face that is kept in a file of this map's size."""
+        kept = {name: self.face[name] for name in ("offset_x", "offset_y", "short") if name in self.face}
+        return {"kind": "file", "path": path, "spacing": self.spacings[1], "spacing_y": self.spacings[0], "z_unit": "m",
+                **kept}
+
+
+def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
+    scene, slider = complete["scene"], complete["slider"]
+    face = Surface(complete[body]["surface"])
+    along, across = float(scene["spacing"]), float(scene["spacing_y"])
+    words = [str(word) for name in ("spacing", "spacing_y", "z_unit", "decimal", "fill", "form") if name in face
+             for word in ("--" + name.replace("_", "-"), face[name])]
+    with program.scratch() as folder:
+        program.call("surface", "map", face["path"], *words, "-o", folder / "map.npy")
+        heights = np.asarray(np.load(folder / "map.npy"), dtype=float)
+    begins, side, travel = 0.0, 0.0, 0.0
+    if body == "resonator":
+        begins, side = float(scene["start"]), float(scene["side"])
+        travel = float(scene["speed"]) * float(scene["duration"])
+    first = (round((side - float(face.get("offset_y", side))) / across),
+             math.floor((begins - float(face.get("offset_x", 0.0))) / along + 1e-9))
+    size = (round(float(slider["width"]) / across),
+            round(float(slider["length"]) / along) + 1 + (math.ceil(travel / along) + 1 if body == "resonator" else 0))
+    return _MeasuredMap(body, face, heights, (across, along), first, size)
+
+
 def is_random(face: Mapping[str, Any]) -> bool:
     return "seed" in face
 
 
 def is_measured(face: Mapping[str, Any]) -> bool:
     return face.get("kind") == "file"
+
+
+def has_measured_map(complete: Mapping[str, Any]) -> bool:
+    return complete["scene"].get("kind") == "areal" and any(is_measured(complete[body].get("surface", {}))
+                                                            for body in BODIES)
 
 
 def _measured(complete: Mapping[str, Any], body: str) -> _Measured:
@@ -197,8 +318,14 @@ def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathl
                                  face["seed"] + NEXT_SEED * k) for k in range(count)])
         elif is_measured(face):
             if complete["scene"].get("kind") == "areal":
-                raise RequestError(f"{body}.surface: other stretches of a measured map are not built yet for areal "
-                                   "scenes: expected random faces, or ra2d.study with other files or offset_x")
+                measured_map = _measured_map(complete, body)
+                if np.ptp(measured_map.heights) == 0:
+                    continue
+                files.make_folder(folder)
+                faces = measured_map.variants(count, folder)
+                what = what.change({f"{body}.surface": measured_map.words(faces[0].value)})
+                by_body.append(faces)
+                continue
             measured = _measured(complete, body)
             heights = np.asarray(measured.face.heights(measured.length, measured.spacing).values)
             if np.ptp(heights) == 0:  # as flat as a face that is not measured

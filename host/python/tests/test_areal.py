@@ -6,9 +6,10 @@ import shutil
 import h5py
 import numpy as np
 import pytest
+from scipy import ndimage
 
 import ra2d
-from ra2d import maps, page_words
+from ra2d import maps, page_words, realisations
 
 BLOCK = {"length": 2e-3, "width": 1.5e-3}
 
@@ -134,12 +135,14 @@ def test_uncertainty_takes_other_seeds_and_halves_both_spacings(areal, folder):
     assert "7.5e-05" in budget.study.attrs["study"]
 
 
-def test_uncertainty_of_measured_maps_is_refused_by_name(areal, folder):
+def test_uncertainty_takes_measured_maps(areal, folder):
     np.save(folder / "map.npy", areal.profile("slider").values)
     measured = areal.scene.change({"slider.surface": {"kind": "file", "path": str(folder / "map.npy"),
                                                       "spacing": 50e-6, "spacing_y": 50e-6}})
-    with pytest.raises(ra2d.RequestError, match="slider.surface.*areal"):
-        ra2d.uncertainty(measured, seeds=2, folder=folder / "measured", show=False)
+    budget = ra2d.uncertainty(measured, seeds=3, folder=folder / "measured", show=False)
+    assert budget.realisations["slider"].tolist() == ["as measured", "mirror image", "mirror image across"]
+    assert "spacing" not in budget.table.index and any("node for node" in note for note in budget.notes)
+    assert np.isfinite(budget.runs.level).all()
 
 
 def test_arrays_are_maps(areal, folder):
@@ -154,3 +157,34 @@ def test_arrays_are_maps(areal, folder):
                     lambda: face.heights(0.004, 50e-6)):
         with pytest.raises(ra2d.RequestError):
             refused()
+
+
+def test_measured_maps_have_other_parts_mirror_images_and_surrogates(folder):
+    random = np.random.default_rng(1)
+    z = 1e-6 * ndimage.gaussian_filter(random.normal(size=(70, 90)), 3)
+    scene = ra2d.scene("areal").change({"slider.length": 2e-3, "slider.width": 1.5e-3, "duration": 1e-3,
+                                        "spacing": 50e-6, "slider.surface": ra2d.surface.array(z, 50e-6, folder / "z.npy")})
+    _, found = realisations.of_scene(scene, scene.complete(), 9, folder)
+    kinds = [pair[1].kind for pair in found]
+    # 41 of 90 nodes and 30 of 70 rows are touched: two parts across, two along, none overlaps
+    assert kinds == ["as measured", "offset 2.05 and 0 mm", "offset 0 and 1.5 mm", "offset 2.05 and 1.5 mm",
+                     "mirror image", "mirror image across", "turned", "surrogate 1", "surrogate 2"]
+    maps_of = [np.load(pair[1].value)[:30, :41] for pair in found]
+    z = z - z.mean()
+    for made, part in zip(maps_of, [z[:30, :41], z[:30, 41:82], z[30:60, :41], z[30:60, 41:82], z[:30, 40::-1],
+                                    z[29::-1, :41], z[29::-1, 40::-1]]):
+        assert np.allclose(made, part, rtol=0, atol=1e-20)  # some roundings
+    whole = np.load(found[-1][1].value)
+    assert abs(whole.std() / z.std() - 1) < found[-1][1].distribution_error < 0.2  # the map is small
+    assert abs(np.corrcoef(whole.ravel(), z.ravel())[0, 1]) < 0.5
+
+
+def test_a_surrogate_has_the_spectrum_of_its_map_without_edges():
+    z = ndimage.gaussian_filter(np.random.default_rng(2).normal(size=(40, 61)), 2)
+    smooth = realisations._smooth_part(z)
+    made, _ = realisations.map_surrogate(z, seed=3)
+    own, other = np.abs(np.fft.rfft2(z - smooth)), np.abs(np.fft.rfft2(made - smooth))
+    assert np.allclose(other, own, rtol=0, atol=1e-12 * own.max())
+    # what is left of a map has no steps from edge to edge
+    steps = np.abs((z - smooth)[0] - (z - smooth)[-1]).max()
+    assert steps < 0.5 * np.abs(z[0] - z[-1]).max()
