@@ -193,7 +193,11 @@ class Sound:
         return float(self.about[f"peak_{_UNITS[self.about['quantity']][1]}"])
 
     def place(self) -> str:
-        """What is heard, and where: "probe 1 at 0.15 m"."""
+        """What is heard, and where.
+
+        >>> getfixture("result").listen().place()
+        'probe 1 at 0.15 m'
+        """
         a = self.about
         if a["quantity"] == PRESSURE:
             return " and ".join(", ".join(f"{x:g}" for x in place) for place in a["microphones"]) + " m"

@@ -121,8 +121,8 @@ def test_heights_are_those_of_a_run(result):
 
 
 def test_faces_are_checked_early(profile):
-    with pytest.raises(ra2d.RequestError, match=r"shape \(2, 2\)"):
-        ra2d.surface.array([[1, 2], [3, 4]], spacing=1e-6)
+    with pytest.raises(ra2d.RequestError, match=r"shape \(1, 2, 2\)"):
+        ra2d.surface.array([[[1, 2], [3, 4]]], spacing=1e-6)
     with pytest.raises(ra2d.RequestError, match="1 values that are not finite"):
         ra2d.surface.array([0, math.nan], spacing=1e-6)
     with pytest.raises(ra2d.RequestError, match="spacing is 0"):
