@@ -52,7 +52,7 @@ def test_it_goes_on_and_grows(base, folder):
 
 
 def test_a_study_that_was_cut_off_goes_on(folder):
-    slow = ra2d.scene("dang2012").change(duration=0.1)  # backward Euler
+    slow = ra2d.scene("dang2012").change(duration=0.4)  # backward Euler: seconds
     with pytest.raises(ra2d.OutOfTime):
         ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut", max_wall=0.3, show=False)
     cut = ra2d.load_study(folder / "cut")
