@@ -20,15 +20,11 @@ as nothing of the block can vibrate.
 
 Its units here are mm, N, s, MPa and tonnes.
 """
-import argparse
 import csv
 import hashlib
-import os
 import pathlib
-import subprocess
-import tempfile
-import time
 
+import calculix
 import numpy as np
 
 LENGTH, WIDTH, THICKNESS = 0.064, 0.040, 5e-4     # m, of the plate
@@ -166,36 +162,15 @@ def mark(text):
 
 def kept(text):
     """Rows of COLUMNS of what CalculiX has printed."""
-    rows, part, time_now, probe, pressure = [], None, 0.0, 0.0, 0.0
-    for line in text.splitlines():
-        words = line.split()
-        if "time" in words:
-            part, time_now = words[0], float(words[-1])
-            if part == "displacements":
-                pressure = 0.0
-        elif not words:
-            continue
-        elif part == "displacements":
-            probe = 1e-3 * float(words[3])
-        elif part == "contact" and len(words) == 5:
-            pressure = max(pressure, 1e6 * float(words[2]))
-        elif part == "statistics" and words[0] == "total":
-            part = "force"
-        elif part == "force":
-            part = None
-            rows.append((time_now, probe, float(words[2]), pressure))
-    return rows
+    return [(now, 1e-3 * float(moved[2]), float(force[2]), 1e6 * pressure)
+            for now, moved, force, pressure in calculix.increments(text, DURATION)]
 
 
 def natural(ccx, folder):
     """Keeps the natural frequencies of the plate as the meshes have it."""
     columns = []
     for mesh in OF_FREQUENCIES:
-        with tempfile.TemporaryDirectory() as scratch:
-            (pathlib.Path(scratch) / "plate.inp").write_text(input_text(mesh, FREQUENCIES))
-            subprocess.run([ccx, "plate"], cwd=scratch, stdout=subprocess.DEVNULL, check=True,
-                           env={**os.environ, "OMP_NUM_THREADS": "1"})
-            lines = (pathlib.Path(scratch) / "plate.dat").read_text().split("P A R T I C I P")[0].splitlines()
+        lines = calculix.solve(ccx, input_text(mesh, FREQUENCIES))[0].split("P A R T I C I P")[0].splitlines()
         columns.append([line.split()[3] for line in lines if len(line.split()) == 5 and line.split()[0].isdigit()])
     with open(folder / "six-bumps-frequencies.csv", "w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([[f"{mesh}: frequency, Hz" for mesh in OF_FREQUENCIES],
@@ -203,30 +178,19 @@ def natural(ccx, folder):
 
 
 def run(ccx, mesh, folder):
-    version = subprocess.run([ccx, "-v"], text=True, capture_output=True).stdout.split()[-1]
     text = input_text(mesh)
-    with tempfile.TemporaryDirectory() as scratch:
-        scratch = pathlib.Path(scratch)
-        (scratch / "bumps.inp").write_text(text)
-        with open(scratch / "log", "w") as log:
-            process = subprocess.Popen([ccx, "bumps"], cwd=scratch, stdout=log, env={**os.environ, "OMP_NUM_THREADS": "1"})
-            _, status, used = os.wait4(process.pid, 0)
-        rows = kept((scratch / "bumps.dat").read_text()) if status == 0 else []
-        if not rows or rows[-1][0] < DURATION - 1e-5:
-            raise SystemExit(f"{ccx} did not come to the end:\n{(scratch / 'log').read_text()[-2000:]}")
+    printed, seconds, _ = calculix.solve(ccx, text)
+    rows = kept(printed)
     with open(folder / f"six-bumps-{mesh}.csv", "w", newline="") as file:
         write = csv.writer(file, lineterminator="\n")
-        write.writerow([f"# {mesh}: {used.ru_utime:.0f} s of processor time; input {mark(text)}; CalculiX {version}"])
+        write.writerow([f"# {mesh}: {seconds:.0f} s of processor time; input {mark(text)}; "
+                        f"CalculiX {calculix.version(ccx)}"])
         write.writerow(COLUMNS)
         write.writerows([f"{value:.6g}" for value in row] for row in rows)
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Six bumps of a plate by CalculiX.")
-    parser.add_argument("--input", nargs=2, metavar=("MESH", "FILE"), help="writes the input of a mesh")
-    parser.add_argument("--run", nargs=2, metavar=("CCX", "FOLDER"), help="runs CalculiX and keeps what it finds")
-    parser.add_argument("meshes", nargs="*", default=MESHES, help=f"of --run: {', '.join(MESHES)}; all without")
-    options = parser.parse_args()
+    options = calculix.requested("Six bumps of a plate by CalculiX.", MESHES)
     if options.input:
         pathlib.Path(options.input[1]).write_text(input_text(options.input[0]))
     if options.run:

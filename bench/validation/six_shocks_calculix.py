@@ -20,15 +20,12 @@ implicit steps of one length. What CalculiX asks for:
 
 Its units here are mm, N, s, MPa and tonnes.
 """
-import argparse
 import concurrent.futures
 import csv
 import os
 import pathlib
-import subprocess
-import tempfile
-import time
 
+import calculix
 import numpy as np
 
 RESONATOR, SLIDER, THICKNESS, WIDTH = 0.05, 0.02, 5e-4, 0.01  # m
@@ -133,54 +130,24 @@ def input_text(mesh):
 
 def kept(text):
     """Rows of COLUMNS of what CalculiX has printed, from the end of the beginning on."""
-    rows, part, time_now, summit, pressure = [], None, 0.0, 0.0, 0.0
-    for line in text.splitlines():
-        words = line.split()
-        if "time" in words:
-            part, time_now = words[0], float(words[-1]) - STARTING
-            if part == "displacements":
-                pressure = 0.0
-        elif not words:
-            continue
-        elif part == "displacements":
-            summit = -1e-3 * float(words[2])  # towards the resonator, as in ra2d
-        elif part == "contact" and len(words) == 5:
-            pressure = max(pressure, 1e6 * float(words[2]))
-        elif part == "statistics" and words[0] == "total":
-            part = "force"
-        elif part == "force":
-            part = None
-            if time_now > -1e-9:
-                rows.append((time_now, summit, 1e3 * WIDTH * float(words[1]), pressure))
-    return rows
+    # displacements towards the resonator, as in ra2d
+    return [(now - STARTING, -1e-3 * float(moved[1]), 1e3 * WIDTH * float(force[1]), 1e6 * pressure)
+            for now, moved, force, pressure in calculix.increments(text, STARTING + DURATION) if now - STARTING > -1e-9]
 
 
 def run(ccx, mesh, folder):
-    version = subprocess.run([ccx, "-v"], text=True, capture_output=True).stdout.split()[-1]
-    with tempfile.TemporaryDirectory() as scratch:
-        scratch = pathlib.Path(scratch)
-        (scratch / "shocks.inp").write_text(input_text(mesh))
-        begun = time.monotonic()
-        with open(scratch / "log", "w") as log:
-            process = subprocess.Popen([ccx, "shocks"], cwd=scratch, stdout=log, env={**os.environ, "OMP_NUM_THREADS": "1"})
-            _, status, used = os.wait4(process.pid, 0)
-        rows = kept((scratch / "shocks.dat").read_text()) if status == 0 else []
-        if not rows or rows[-1][0] < DURATION - 1e-5:
-            raise SystemExit(f"{ccx} did not come to the end:\n{(scratch / 'log').read_text()[-2000:]}")
+    printed, seconds, elapsed = calculix.solve(ccx, input_text(mesh))
+    rows = kept(printed)
     with open(folder / f"six-shocks-{mesh}.csv", "w", newline="") as file:
         write = csv.writer(file, lineterminator="\n")
-        write.writerow([f"# {mesh}: {used.ru_utime:.0f} s of processor time, {time.monotonic() - begun:.0f} s by the clock, "
-                        f"CalculiX {version}"])
+        write.writerow([f"# {mesh}: {seconds:.0f} s of processor time, {elapsed:.0f} s by the clock, "
+                        f"CalculiX {calculix.version(ccx)}"])
         write.writerow(COLUMNS)
         write.writerows([f"{value:.7g}" for value in row] for row in rows)
 
 
 def main():
-    parser = argparse.ArgumentParser(description="The six shocks by CalculiX.")
-    parser.add_argument("--input", nargs=2, metavar=("MESH", "FILE"), help="writes the input of a mesh")
-    parser.add_argument("--run", nargs=2, metavar=("CCX", "FOLDER"), help="runs CalculiX and keeps what it finds")
-    parser.add_argument("meshes", nargs="*", default=MESHES, help=f"of --run: {', '.join(MESHES)}; all without")
-    options = parser.parse_args()
+    options = calculix.requested("The six shocks by CalculiX.", MESHES)
     if options.input:
         pathlib.Path(options.input[1]).write_text(input_text(options.input[0]))
     if options.run:

@@ -81,8 +81,8 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
     m.low = m.mean - half;
     m.high = m.mean + half;
   } else if (kind == Values::share) {
-    const double slope =
-        m.mean * (1 - m.mean);  // a logit changes by 1/slope of what its share does
+    // a logit changes by 1/slope of what its share does
+    const double slope = m.mean * (1 - m.mean);
     const double odds = m.mean / (1 - m.mean), factor = slope > 0 ? std::exp(half / slope) : 1;
     m.low = half > 0 ? odds / (odds + factor) : m.mean;
     m.high = half > 0 ? odds * factor / (1 + odds * factor) : m.mean;

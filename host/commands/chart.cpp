@@ -53,9 +53,8 @@ void require_outputs(std::vector<std::string> outputs,
 
 /// The scene that the line names, or the paper's own.
 Scene chart_scene(const SceneOptions& common) {
-  Scene scene = common.scene.empty() ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
-                                     : read_scene(common.scene, common.overrides);
-  return scene;
+  return common.scene.empty() ? parse_scene(paper_scene, "dang2012.toml", common.overrides)
+                              : read_scene(common.scene, common.overrides);
 }
 
 /// Names of a chart's tables.

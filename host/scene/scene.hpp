@@ -201,8 +201,7 @@ inline constexpr double usual_tolerance = 1e-8;
 /// Makes a scene areal: sets the kinds of its bodies and the values that follow from other keys.
 void make_areal(Scene& scene);
 
-/// Gives a scene another spacing; of an areal one rows and nodes stay as far apart from each other
-/// as they were, one against the other.
+/// Gives a scene another spacing, and an areal one another spacing_y in the same proportion.
 void set_spacing(Scene& scene, double spacing);
 
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor

@@ -26,15 +26,15 @@ std::int64_t available_memory() {
   for (std::string word; system >> word;)
     if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
       most = std::min(most, 1024 * kibibytes);
-  // That limit counts addresses, also those of memory that is never touched: of each thread 64 MB
-  // for its small blocks. Where none are left HDF5 may crash.
-  constexpr double touched = 0.8, of_threads = 3 * 0x1p26;
+  // That limit counts addresses, also those of memory that is never touched. (A run of 6.25 million
+  // nodes, 0.68 GB by areal_memory, needs 0.89 GB of them.) Where none are left HDF5 may crash.
+  constexpr double touched = 0.7;
   rlimit limit{};
   std::int64_t pages = 0;
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
       std::ifstream("/proc/self/statm") >> pages) {
     const auto taken = static_cast<double>(pages * sysconf(_SC_PAGESIZE));
-    const double left = touched * (static_cast<double>(limit.rlim_cur) - taken) - of_threads;
+    const double left = touched * (static_cast<double>(limit.rlim_cur) - taken);
     most = std::min(most, std::max<std::int64_t>(0, std::llround(left)));
   }
   return most;
