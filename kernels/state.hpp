@@ -172,12 +172,17 @@ struct Marks {
   int* slot_node = nullptr;
   int slots = 0, slots_used = 0;
   std::int64_t slots_window = -1;
+  // Places of clusters: the i-th column is that of place_id[i], for i < places_used.
+  int* place_id = nullptr;
+  int places_used = 0;
+  std::int64_t places_window = -1;
 };
 
-/// Expanded nodes or cells. Areal scenes: at the places that Marks names.
+/// Expanded nodes or cells. Areal scenes: where Marks says.
 struct Caches {
   double* node_shape = nullptr;  // (node, 4, lane); (cell, 7, lane)
   double* node_face = nullptr;   // (node, 2); (cell, 12)
+  double* columns = nullptr;  // (place, cluster_rows, lane): kernels/adaptive/contact_clusters.hpp
 };
 
 // ---- work
@@ -236,6 +241,23 @@ struct SeriesBuffers {
   double* one_shape = nullptr;  // (4, lane): of one more node
 };
 
+/// Form::adaptive: clusters of nodes in contact (kernels/adaptive/contact_clusters.hpp). Their
+/// members stand in packs, each of one cluster.
+struct ClusterBuffers {
+  int* cluster = nullptr;         // of each node in contact
+  int* node = nullptr;            // (cluster): of its place, along x
+  int* row = nullptr;             // (cluster): of its place, across
+  int* column = nullptr;          // (cluster): of its place, in Caches::columns
+  int* first = nullptr;           // (cluster): pack of its first members; then one behind the last
+  int* members = nullptr;         // (pack, lane): number of the node in contact, or -1
+  double* faces = nullptr;        // (pack, 2, lane): overlap of the faces [m], rise [m per chi]
+  double* powers = nullptr;       // (pack, cluster_rows, lane): of xi_0 and eta
+  double* terms = nullptr;        // (pack, order, 2, lane): overlap, sliding rate
+  double* moments = nullptr;      // (cluster, order, cluster_rows): M_ab
+  double* forces = nullptr;       // (cluster, order, cluster_rows): Q_ab
+  double* polynomials = nullptr;  // (cluster, cluster_rows, order): P_ab
+};
+
 /// A run of neighbouring cells in contact at some stage of a step between smooth faces.
 struct CellRun {
   int first, last;
@@ -286,6 +308,7 @@ struct WorkSpace {
   RunBuffer runs;
   ActiveSet active;
   SeriesBuffers series;
+  ClusterBuffers clusters;
   StageBuffers stages;
   ContactSpans spans;
   OnsetSearch search;
@@ -358,6 +381,7 @@ void visit_arrays(Marks& s, const Extents& n, Visit&& visit) {
     visit("node_slot", s.node_slot, nodes);
     visit("slot_node", s.slot_node, n.slots());
   }
+  if (n.cluster_degree > 0) visit("place_id", s.place_id, std::size_t{most_places});
   if (n.active > 0) visit("active_index", s.active_index, nodes);
 }
 
@@ -366,6 +390,26 @@ void visit_arrays(Caches& s, const Extents& n, Visit&& visit) {
   const std::size_t places = n.rows == 0 ? static_cast<std::size_t>(n.nodes) : n.slots();
   visit("node_shape", s.node_shape, places * n.shape_rows() * n.lanes);
   visit("node_face", s.node_face, places * n.face_numbers());
+  if (n.cluster_degree > 0)
+    visit("columns", s.columns, std::size_t{most_places} * cluster_rows * n.lanes);
+}
+
+template <class Visit>
+void visit_arrays(ClusterBuffers& s, const Extents& n, Visit&& visit) {
+  constexpr std::size_t clusters = most_clusters;
+  const auto group = static_cast<std::size_t>(n.cluster_packs()) * n.width;
+  visit("cluster", s.cluster, static_cast<std::size_t>(n.contacts));
+  visit("cluster_node", s.node, clusters);
+  visit("cluster_row", s.row, clusters);
+  visit("cluster_column", s.column, clusters);
+  visit("cluster_first", s.first, clusters + 1);
+  visit("cluster_members", s.members, group);
+  visit("cluster_faces", s.faces, 2 * group);
+  visit("cluster_powers", s.powers, cluster_rows * group);
+  visit("cluster_terms", s.terms, 2 * overlap_terms * group);
+  visit("cluster_moments", s.moments, clusters * overlap_terms * cluster_rows);
+  visit("cluster_forces", s.forces, clusters * overlap_terms * cluster_rows);
+  visit("cluster_polynomials", s.polynomials, clusters * cluster_rows * overlap_terms);
 }
 
 template <class Visit>
@@ -386,6 +430,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("ends", s.spans.ends, contacts);
   visit("onsets", s.search.onsets, static_cast<std::size_t>(n.listed));
   visit("end_overlaps", s.search.overlaps, 4 * nodes);
+  if (n.cluster_degree > 0) visit_arrays(s.clusters, n, visit);
   if (n.rows > 0) {
     visit("highest", s.candidates.highest, groups);
     visit("selected", s.search.selected, groups);

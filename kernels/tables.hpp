@@ -132,6 +132,14 @@ inline constexpr int pace_numbers = stage_rows * formula_stages;
 /// Nodes of a tile along a row, but for lanes that are more, and rows of one.
 inline constexpr int tile_nodes = 32, tile_rows = 8;
 
+/// Clusters of nodes in contact (kernels/adaptive/contact_clusters.hpp): how far their nodes may
+/// stand from their place, in nodes and in rows; the most of them in a step, and the most places
+/// that are kept; rows of modes that are kept of a place, the last one the slider's own.
+inline constexpr int cluster_reach = 2, most_clusters = 48, most_places = 160;
+inline constexpr int cluster_rows = 11, cluster_own = 10;
+/// Terms of a polynomial of two variables.
+inline constexpr int cluster_sums(int degree) { return (degree + 1) * (degree + 2) / 2; }
+
 /// Nodes of an areal scene that can be evaluated at once, whatever the memory.
 inline constexpr int most_areal_nodes = 1 << 16;
 
@@ -158,6 +166,7 @@ struct Extents {
   int listed = 0;               // nodes that can be evaluated at once: all, in plane scenes
   int active = 0;               // nodes that can carry force at once under Form::implicit
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
+  int cluster_degree = 0;       // ClusterTables::degree
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
   std::size_t padded_row() const { return static_cast<std::size_t>(row_groups) * width; }
@@ -173,6 +182,9 @@ struct Extents {
   int tiles() const { return (row_groups + tile_groups() - 1) / tile_groups(); }
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
+  /// Even rows, where places of clusters may be; packs of nodes in all clusters.
+  int place_rows() const { return rows / 2 + 1; }
+  int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
@@ -334,6 +346,14 @@ struct SeriesTables {
   const double* gauss = nullptr;         // points in (0, 1), then weights: two rows of gauss_row
 };
 
+/// Clusters of nodes in contact, in areal scenes under the adaptive scheme
+/// (kernels/adaptive/contact_clusters.hpp).
+struct ClusterTables {
+  int degree = 0;                     // of the polynomials; 0: there are no clusters
+  const double* across = nullptr;     // (even row, 4, lane): d^b across/deta^b / b! there
+  const double* remainder = nullptr;  // what the polynomials leave out of a shape
+};
+
 /// Free flight of any length, under the adaptive scheme.
 struct FlightTables {
   int levels = 0;
@@ -378,6 +398,7 @@ struct SceneTables {
   SchemeWeights scheme;
   MotionLimits bounds;
   SeriesTables adaptive;
+  ClusterTables clusters;
   FlightTables flight;
   StageTables stages;
   MovingForces forces;
@@ -426,6 +447,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("fourth_derivative_per_energy_norm", t.flight.fourth_derivative_per_energy_norm, lanes);
   visit("passing_rate", t.adaptive.passing_rate, lanes);
   visit("inverse_mass", t.adaptive.inverse_mass, lanes);
+  if (n.cluster_degree > 0) visit("cluster_remainder", t.clusters.remainder, lanes);
   visit("hull", t.adaptive.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
   visit("gauss", t.adaptive.gauss, std::size_t{2 * gauss_row});
   if (n.smooth) visit("stages", t.stages.paces, std::size_t{paces * pace_numbers});
@@ -446,6 +468,9 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
     visit("tile_shape", t.faces.tiles.shape,
           static_cast<std::size_t>(n.slider_modes) * n.padded_tiles());
     visit("tile_across", t.faces.tiles.across, bands * n.lanes);
+    if (n.cluster_degree > 0)
+      visit("cluster_across", t.clusters.across,
+            static_cast<std::size_t>(n.place_rows()) * 4 * n.lanes);
   }
   if (n.smooth) {
     visit("curvature1", t.faces.curvature1, n.padded_nodes());

@@ -79,6 +79,7 @@ ModalSeries<HostLanes, packs> series_of(const SceneTables& t, SceneState& s) {
           t.adaptive,
           t.forces,
           node_contact_of<packs>(t, s),
+          {},
           s.carried.contacts,
           s.carried.control.shape_terms,
           s.work.series,

@@ -99,6 +99,7 @@ class Filler {
   void tile_variation(const ModeOnLane& mode);
   void smooth_faces(const double* h2);
   void adaptive();
+  void clusters();
   void moving_forces();
 
  private:
@@ -470,6 +471,30 @@ void Filler::adaptive() {
   if (n_.smooth) fill_stages(host_(tables_.stages.paces));
 }
 
+/// Shapes across the bodies about even rows, and what polynomials leave out of shapes.
+void Filler::clusters() {
+  if (n_.cluster_degree == 0) return;
+  tables_.clusters.degree = n_.cluster_degree;
+  double* const across = host_(tables_.clusters.across);
+  double* const remainder = host_(tables_.clusters.remainder);
+  int lane = 0;
+  for (const Body* body : {&model_.resonator, &model_.slider}) {
+    const double edge = body == &model_.resonator ? model_.side : 0.0;
+    for (const BodyMode& mode : body->modes) {
+      remainder[lane] = cluster_remainder(model_, mode, n_.cluster_degree);
+      for (int i = 0; i < n_.place_rows(); ++i) {
+        double d[4], factor = 1.0;
+        mode.shape->evaluate_across(edge + model_.eta(2 * i), 4, d);
+        for (int b = 0; b < 4; ++b) {
+          across[(static_cast<std::size_t>(i) * 4 + b) * n_.lanes + lane] = factor * d[b];
+          factor *= model_.spacing_y / (b + 1.0);
+        }
+      }
+      ++lane;
+    }
+  }
+}
+
 void Filler::moving_forces() {
   MovingForceTable* const moving = host_(tables_.forces.list);
   for (int i = 0; i < tables_.forces.count; ++i) {
@@ -495,6 +520,7 @@ void fill(SceneTables& tables, const Model& model, const PatchSeries& series, co
   filler.slider_shapes();
   filler.across();
   filler.faces();
+  filler.clusters();
   filler.moving_forces();
 }
 

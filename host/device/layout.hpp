@@ -29,6 +29,16 @@ PatchSeries choose_series(const Model& model, int width);
 /// (fastest rate times time)^4/24 nothing is left there.
 int first_flight_level(const Model& model);
 
+/// What polynomials of a degree about the place of a cluster
+/// (kernels/adaptive/contact_clusters.hpp) leave out of a shape, in its own unit. Nothing of a
+/// straight line.
+double cluster_remainder(const Model& model, const BodyMode& mode, int degree);
+
+/// The degree of these polynomials: the smaller of 2 and 3 that leaves out no more of any shape
+/// than a small part of the tolerance. 0 where a scene has no clusters of nodes: neither does, the
+/// modes are too few (in packs of `width`), or the scene is not areal and adaptive.
+int cluster_degree(const Model& model, int width);
+
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal
 /// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is
 /// more.

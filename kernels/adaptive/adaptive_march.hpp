@@ -59,6 +59,7 @@ class AdaptiveMarch {
                 tables.adaptive,
                 tables.forces,
                 node_contact(),
+                clusters(),
                 state.carried.contacts,
                 state.carried.control.shape_terms,
                 state.work.series,
@@ -147,6 +148,16 @@ class AdaptiveMarch {
     return {lanes_,         tables_.motion,  tables_.faces,
             tables_.slider, tables_.patches, tables_.contact,
             state_.marks,   state_.caches,   state_.work.contact_list};
+  }
+
+  using Series = ModalSeries<Lanes, packs>;
+  RA2D_FUNCTION typename Series::Clusters clusters() const {
+    if constexpr (Series::has_clusters)
+      return {lanes_,          tables_.motion,  tables_.faces,       tables_.slider,
+              tables_.patches, tables_.contact, tables_.clusters,    state_.carried.contacts,
+              state_.marks,    state_.caches,   state_.work.clusters};
+    else
+      return {};
   }
 
   RA2D_FUNCTION bool fail(Status why) {

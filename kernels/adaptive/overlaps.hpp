@@ -223,7 +223,7 @@ class Overlaps {
       return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
                           flagged, tolerance);
     }
-    if (!node_contact_.expand(place, listed_nodes_, flagged)) [[unlikely]]
+    if (!series.expand_nodes(place, listed_nodes_, flagged)) [[unlikely]]
       return -1.0;
     double first = 2.0 * end + 1.0;
     for (int e = 0; e < flagged; ++e) {

@@ -2,7 +2,9 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 #include <cstdint>
+#include <type_traits>
 
+#include "kernels/adaptive/contact_clusters.hpp"
 #include "kernels/adaptive/crossing.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/onsets.hpp"
@@ -36,11 +38,16 @@ class ModalSeries {
   static constexpr int row = packs * width;
 
  public:
+  /// Nodes in contact in clusters, where there can be any: areal scenes have many modes.
+  static constexpr bool has_clusters = packs > 3;
+  struct NoClusters {};
+  using Clusters = std::conditional_t<has_clusters, ContactClusters<Lanes, packs>, NoClusters>;
+
   /// `shape_terms`: StepControl's. `hulls`: ContactSpans', read by bounds().
   RA2D_FUNCTION ModalSeries(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
                             const ContactTables& contact, const MotionLimits& bounds,
                             const SeriesTables& adaptive, const MovingForces& forces,
-                            const NodeContact<Lanes, packs>& node_contact,
+                            const NodeContact<Lanes, packs>& node_contact, const Clusters& clusters,
                             const ContactSet& contacts, const int& shape_terms,
                             SeriesBuffers& buffers, const Hull* hulls)
       : lanes_{lanes},
@@ -51,6 +58,7 @@ class ModalSeries {
         adaptive_{adaptive},
         forces_{forces},
         node_contact_{node_contact},
+        clusters_{clusters},
         contacts_{contacts},
         shape_terms_{shape_terms},
         buffers_{buffers},
@@ -87,6 +95,10 @@ class ModalSeries {
     scale_ = scale;
     neglected_ = 0.0;
     const int contacts = contacts_.count;
+    if constexpr (has_clusters) {
+      clusters_.clear();
+      if (contacts > 0 && expand_in_clusters(u, v, place)) return true;
+    }
     if (contacts == 0) {
       expand_terms<1>(u, v, place);
       return true;
@@ -113,11 +125,7 @@ class ModalSeries {
         expand_terms<3>(u, v, place);
       else
         expand_terms<4>(u, v, place);
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {  // over steps of up to two
-        const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
-        amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
-        travel[p] = c1 + c2;
-      }
+      bound_motion(u, amplitude, travel);
       wanted_terms_ = enough_terms(amplitude, travel);
       if (wanted_terms_ <= terms) break;
       terms = wanted_terms_;
@@ -217,7 +225,12 @@ class ModalSeries {
     const Real at(x);
     Real force[packs];  // bound on |F''|
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
-    for (int e = 0; e < contacts_.count; ++e) {
+    bool in_clusters = false;
+    if constexpr (has_clusters) in_clusters = clusters_.exist();
+    if constexpr (has_clusters)
+      if (in_clusters)
+        clusters_.add_force_bounds(hulls_, motion_.advance * (scale_ / motion_.time_step), force);
+    for (int e = 0; e < contacts_.count && !in_clusters; ++e) {
       const Hull& h = hulls_[e];
       const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
       const double* phi = buffers_.shapes + e * (4 * row);
@@ -274,9 +287,27 @@ class ModalSeries {
             lanes_.sum(size)};
   }
 
-  /// The series of the overlap of any expanded node, to `c`.
+  /// Expands those of the nodes whose overlaps are found by themselves. False where there is no
+  /// room for them.
+  RA2D_FUNCTION bool expand_nodes(const Place& place, const int* nodes, int count) const {
+    if constexpr (has_clusters)
+      if (clusters_.exist()) {
+        for (int e = 0; e < count; ++e)
+          if (clusters_.cluster_of(nodes[e]) < 0 && !node_contact_.expand(place, nodes + e, 1))
+              [[unlikely]]
+            return false;
+        return true;
+      }
+    return node_contact_.expand(place, nodes, count);
+  }
+  /// The series of the overlap of any node that has been expanded here, to `c` [overlap_terms].
   RA2D_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
     const double advance = motion_.advance * (scale_ / motion_.time_step);
+    if constexpr (has_clusters)
+      if (const int s = clusters_.cluster_of(node); s >= 0) {
+        clusters_.overlap_of(s, node, place, advance, c);
+        return;
+      }
     double* shape = buffers_.one_shape;
     place_shape(node, place.offset, advance, shape);
     const auto product = [&](int j) {
@@ -343,6 +374,7 @@ class ModalSeries {
   const SeriesTables& adaptive_;
   const MovingForces& forces_;
   NodeContact<Lanes, packs> node_contact_;
+  Clusters clusters_;
   const ContactSet& contacts_;
   const int& shape_terms_;
   SeriesBuffers& buffers_;
@@ -371,7 +403,7 @@ class ModalSeries {
     }
     double of_second, of_third;
     lanes_.sum(second, third, of_second, of_third);
-    const double bearable = 0.03 * adaptive_.tolerance * lanes_.sum(displacement);
+    const double bearable = bearable_share * adaptive_.tolerance * lanes_.sum(displacement);
     neglected_ = of_second <= bearable ? of_second : of_third;
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
@@ -451,7 +483,54 @@ class ModalSeries {
     }
   }
 
-  template <int terms>
+  /// As expand(), with the nodes in contact in clusters. False where these would not save anything,
+  /// or leave out more than a small part of what the tolerance allows.
+  RA2D_FUNCTION bool expand_in_clusters(const Real* u, const Real* v, const Place& place) {
+    if (!clusters_.gather(place)) return false;
+    Real amplitude[packs], travel[packs];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      amplitude[p] = Kokkos::abs(u[p]);
+      travel[p] = Real(scale_) * Kokkos::abs(v[p]);
+    }
+    bool is_accurate = leaves_out_little(amplitude, travel);
+    if (is_accurate) {
+      if (clusters_.degree() == 2)
+        expand_terms<2, true>(u, v, place);
+      else
+        expand_terms<3, true>(u, v, place);
+      bound_motion(u, amplitude, travel);
+      is_accurate = leaves_out_little(amplitude, travel);
+    }
+    if (!is_accurate) {
+      clusters_.clear();
+      neglected_ = 0.0;
+      return false;
+    }
+    clusters_.hand_out(degree() + 1, buffers_.nodes);
+    wanted_terms_ = shape_terms_;
+    return true;
+  }
+  RA2D_FUNCTION bool leaves_out_little(const Real* amplitude, const Real* travel) {
+    Real displacement(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      displacement =
+          multiply_add(load_pack(lanes_, bounds_.largest_shape, p), travel[p], displacement);
+    neglected_ = clusters_.left_out(amplitude);
+    return neglected_ <= bearable_share * adaptive_.tolerance * lanes_.sum(displacement);
+  }
+  /// Of a series: how far the modes get, and how much they move, over steps of up to two.
+  RA2D_FUNCTION void bound_motion(const Real* u, Real* amplitude, Real* travel) const {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
+      amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
+      travel[p] = c1 + c2;
+    }
+  }
+  /// What may be left out of an overlap, as a share of the tolerance times the modes' way.
+  static constexpr double bearable_share = 0.03;
+
+  /// `terms` of the shapes at a node; of clusters, the degree of their polynomials.
+  template <int terms, bool in_clusters = false>
   RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
     const int order = adaptive_.order, contacts = contacts_.count;
@@ -478,7 +557,9 @@ class ModalSeries {
       if (forces_.count > 0 && j <= order)
         for (int p = 0; p < filled<packs>(lanes_); ++p)
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
-      if constexpr (terms > 1) {
+      if constexpr (in_clusters) {
+        clusters_.template expand<terms>(j, c0, j + 2 <= order, advance, force);
+      } else if constexpr (terms > 1) {
         int e = 0;
         if constexpr (side_by_side > 1)
           for (; e + side_by_side <= contacts; e += side_by_side)
