@@ -368,9 +368,14 @@ class CandidateGroups {
         const int tile = lists_.tiles[e], begin = tile * faces_.tiles.groups;
         const Real displacement(lists_.tile_displacement[tile]);
         for (int g = begin; g < begin + faces_.tiles.groups && g < rows.groups; ++g) {
-          const int group = row * rows.groups + g;
+          const int group = row * rows.groups + g, next = group + rows.groups;
           const double* const h2 =
               faces_.height2 + (place.base - rows.behind + row * rows.excess + group * width);
+          if (row + 1 < last) {
+            lanes_.prefetch(h2 + rows.excess + rows.groups * width);
+            lanes_.prefetch(h2 + rows.excess + rows.groups * width + width);
+            lanes_.prefetch(faces_.height1 + next * width);
+          }
           Real face = lanes_.load(h2);
           for (int ahead = 1; ahead <= width; ++ahead)
             face = Kokkos::max(face, lanes_.load(h2 + ahead));

@@ -120,6 +120,8 @@ struct HostLanes {
   }
   static constexpr bool leader() { return true; }
   static void sync() {}
+  /// Has what stands there brought near, to be read soon.
+  static void prefetch(const double* p) { __builtin_prefetch(p); }
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
@@ -181,6 +183,7 @@ struct WarpLanes {
     KOKKOS_IF_ON_HOST((return 0;))
   }
   RA2D_FUNCTION bool leader() const { return lane == 0; }
+  RA2D_FUNCTION static void prefetch(const double*) {}
   RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp();)) }
 
  private:

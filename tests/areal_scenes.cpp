@@ -74,6 +74,25 @@ ArealScene many_nodes() {
   s.block_heights = rough_map(37, 150, 2e-6, 4);
   return s;
 }
+ArealScene fine_maps() {
+  constexpr int nodes = 40, rows = 24;
+  ArealScene s = small_areal_scene(Support::free);
+  s.spacing = 3e-6, s.spacing_y = 2.5e-6;
+  s.block.length = (nodes - 1) * s.spacing, s.block.width = rows * s.spacing_y;
+  s.block.thickness = 0.05;  // heavy enough to keep the faces in contact
+  s.block.load = 0.03;
+  s.speed = 0.2;
+  s.stiffness = 1e16;
+  s.plate_heights = rough_map(rows, 3420 + nodes, 1e-7, 5);
+  s.block_heights = rough_map(rows, nodes, 1e-7, 6);
+  double highest = -1;
+  const auto first = static_cast<int>(s.start / s.spacing);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < nodes; ++i)
+      highest = std::max(highest, s.plate_heights[j][first + i] + s.block_heights[j][i]);
+  s.gap = highest - 3e-8;
+  return s;
+}
 ArealScene mirrored(ArealScene scene) {
   scene.side = scene.plate.width - scene.block.width - scene.side;
   std::reverse(scene.plate_heights.begin(), scene.plate_heights.end());

@@ -21,6 +21,10 @@ ArealScene one_bump();
 /// 150 x 37 nodes: many tiles.
 ArealScene many_nodes();
 
+/// 40 x 24 nodes, 3 um apart: contacts of many nodes each, which the march gathers in clusters at
+/// tolerances of 1e-6 and 1e-8.
+ArealScene fine_maps();
+
 /// A scene with y turned round.
 ArealScene mirrored(ArealScene scene);
 /// A state of it, as of the scene that was turned round.

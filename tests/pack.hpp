@@ -115,6 +115,7 @@ struct PackLanes {
   }
   static std::uint32_t at_least(const Real& x, double level) { return lanes_at_least(x.x, level); }
   static constexpr bool leader() { return true; }
+  static void prefetch(const double*) {}
   static void sync() {}
 
  private:

@@ -95,10 +95,9 @@ class ModalSeries {
     scale_ = scale;
     neglected_ = 0.0;
     const int contacts = contacts_.count;
-    if constexpr (has_clusters) {
-      clusters_.clear();
+    forget_clusters();
+    if constexpr (has_clusters)
       if (contacts > 0 && expand_in_clusters(u, v, place)) return true;
-    }
     if (contacts == 0) {
       expand_terms<1>(u, v, place);
       return true;
@@ -225,12 +224,13 @@ class ModalSeries {
     const Real at(x);
     Real force[packs];  // bound on |F''|
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
-    bool in_clusters = false;
-    if constexpr (has_clusters) in_clusters = clusters_.exist();
+    int single_nodes = contacts_.count;
     if constexpr (has_clusters)
-      if (in_clusters)
+      if (clusters_.exist()) {
         clusters_.add_force_bounds(hulls_, motion_.advance * (scale_ / motion_.time_step), force);
-    for (int e = 0; e < contacts_.count && !in_clusters; ++e) {
+        single_nodes = 0;
+      }
+    for (int e = 0; e < single_nodes; ++e) {
       const Hull& h = hulls_[e];
       const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
       const double* phi = buffers_.shapes + e * (4 * row);
@@ -287,14 +287,24 @@ class ModalSeries {
             lanes_.sum(size)};
   }
 
+  /// The cluster that finds a node's overlap (kernels/adaptive/contact_clusters.hpp), or -1.
+  KOKKOS_FORCEINLINE_FUNCTION int cluster_of([[maybe_unused]] int node) const {
+    if constexpr (has_clusters)
+      return clusters_.cluster_of(node);
+    else
+      return -1;
+  }
+  /// From here on overlaps are found at each node by itself.
+  KOKKOS_FORCEINLINE_FUNCTION void forget_clusters() {
+    if constexpr (has_clusters) clusters_.clear();
+  }
   /// Expands those of the nodes whose overlaps are found by themselves. False where there is no
   /// room for them.
   RA2D_FUNCTION bool expand_nodes(const Place& place, const int* nodes, int count) const {
     if constexpr (has_clusters)
       if (clusters_.exist()) {
         for (int e = 0; e < count; ++e)
-          if (clusters_.cluster_of(nodes[e]) < 0 && !node_contact_.expand(place, nodes + e, 1))
-              [[unlikely]]
+          if (cluster_of(nodes[e]) < 0 && !node_contact_.expand(place, nodes + e, 1)) [[unlikely]]
             return false;
         return true;
       }
@@ -304,7 +314,7 @@ class ModalSeries {
   RA2D_FUNCTION void overlap_of(int node, const Place& place, double* c) const {
     const double advance = motion_.advance * (scale_ / motion_.time_step);
     if constexpr (has_clusters)
-      if (const int s = clusters_.cluster_of(node); s >= 0) {
+      if (const int s = cluster_of(node); s >= 0) {
         clusters_.overlap_of(s, node, place, advance, c);
         return;
       }
@@ -502,7 +512,7 @@ class ModalSeries {
       is_accurate = leaves_out_little(amplitude, travel);
     }
     if (!is_accurate) {
-      clusters_.clear();
+      forget_clusters();
       neglected_ = 0.0;
       return false;
     }

@@ -84,6 +84,7 @@ struct FiberLanes {
     return static_cast<std::uint32_t>(warp.meet(lane, Warp::Meeting::at_least, where, x, level));
   }
   bool leader() const { return lane == 0; }
+  static void prefetch(const double*) {}
   void sync(const Where& where = Where::current()) const {
     warp.meet(lane, Warp::Meeting::sync, where);
   }

@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "host/device/fill.hpp"
+#include "host/device/layout.hpp"
+#include "kernels/adaptive/contact_clusters.hpp"
+#include "kernels/adaptive/contacts.hpp"
+#include "kernels/adaptive/series.hpp"
+#include "kernels/adaptive/slider_path.hpp"
+#include "tests/areal_scenes.hpp"
+#include "tests/dice.hpp"
+#include "tests/eight_modes.hpp"
+#include "tests/kernels_of.hpp"
+
+/// Sums over the modes that the nodes of a cluster share, against those of each node by itself.
+namespace {
+
+using namespace ra2d;
+using test::Dice, test::eps, test::width;
+
+constexpr int clustered_modes = 43;  // of fine_maps(): 40 of the plate, 3 of the block
+constexpr int P = (clustered_modes + width - 1) / width;
+static_assert(P > 3);
+using Series = ModalSeries<HostLanes, P>;
+using Packs = std::array<HostLanes::Real, P>;
+
+const HostLanes lanes{clustered_modes};
+
+/// A scene with more room than one makes in a march.
+struct Scene {
+  Model model;
+  PatchSeries series;
+  Extents n;
+  SceneTables t;
+  SceneState s;
+  std::vector<std::vector<double>> arrays;
+  Packs u, v;
+
+  explicit Scene(double tolerance, int rows = 24, int nodes = 40)
+      : model{test::areal_march(of(rows, nodes), tolerance, 1e-4).model},
+        series{choose_series(model, width)},
+        n{extents_of(model, series, P * width, width, {.nodes = 4096})} {
+    const auto provide = [&](const char*, auto*& array, std::size_t count) {
+      using Value = std::remove_const_t<std::remove_reference_t<decltype(*array)>>;
+      arrays.emplace_back(count * sizeof(Value) / sizeof(double) + 1, 0.0);
+      array = reinterpret_cast<Value*>(arrays.back().data());
+    };
+    visit_arrays(t, n, provide);
+    visit_arrays(s.carried, n, provide);
+    visit_arrays(s.marks, n, provide);
+    visit_arrays(s.caches, n, provide);
+    visit_arrays(s.work, n, provide);
+    fill(t, model, series, n, HostCopy());
+    s.marks.slots = static_cast<int>(n.slots());
+    s.work.spans.capacity = n.contacts;
+  }
+  Scene(const Scene&) = delete;
+  static test::ArealScene of(int rows, int nodes) {
+    test::ArealScene scene = test::fine_maps();
+    scene.block.length = (nodes - 1) * scene.spacing, scene.block.width = rows * scene.spacing_y;
+    scene.plate_heights = test::rough_map(rows, 3420 + nodes, 1e-7, 5);
+    scene.block_heights = test::rough_map(rows, nodes, 1e-7, 6);
+    return scene;
+  }
+
+  int number(int row, int along) const { return row * static_cast<int>(n.padded_row()) + along; }
+  void touch(std::vector<int> nodes) {
+    std::sort(nodes.begin(), nodes.end());
+    std::copy(nodes.begin(), nodes.end(), s.carried.contacts.nodes);
+    s.carried.contacts.count = static_cast<int>(nodes.size());
+  }
+  void draw_motion(Dice& dice) {
+    std::array<double, P * width> at{}, rate{};
+    for (int k = 0; k < clustered_modes; ++k) {
+      rate[k] = dice.uniform(-1, 1) * 1e-4;
+      at[k] = dice.uniform(-1, 1) * 1e-4 / std::max(t.modes.omega[k], 1e4);
+    }
+    for (int p = 0; p < P; ++p) {
+      u[p] = lanes.load(at.data() + p * width);
+      v[p] = lanes.load(rate.data() + p * width);
+    }
+  }
+  ContactClusters<HostLanes, P> clusters() {
+    return {lanes,      t.motion,           t.faces, t.slider, t.patches,      t.contact,
+            t.clusters, s.carried.contacts, s.marks, s.caches, s.work.clusters};
+  }
+  NodeContact<HostLanes, P> node_contact() {
+    return {lanes,     t.motion, t.faces,  t.slider,           t.patches,
+            t.contact, s.marks,  s.caches, s.work.contact_list};
+  }
+  Series modal_series() {
+    return {lanes,
+            t.modes,
+            t.motion,
+            t.contact,
+            t.bounds,
+            t.adaptive,
+            t.forces,
+            node_contact(),
+            clusters(),
+            s.carried.contacts,
+            s.carried.control.shape_terms,
+            s.work.series,
+            s.work.spans.hulls};
+  }
+  double of_lanes(const double* weights, const Packs& x) const {
+    double sum = 0;
+    for (int k = 0; k < clustered_modes; ++k)
+      sum += weights[k] * std::abs(x[k / width][static_cast<std::size_t>(k % width)]);
+    return sum;
+  }
+};
+
+/// The nodes of some rectangles of the block's face.
+std::vector<int> patches_of(const Scene& m, Dice& dice, int rows, int nodes) {
+  std::vector<int> list;
+  for (int i = 0; i < 3; ++i) {
+    const int row = dice.pick(rows - 8), along = dice.pick(nodes - 8), high = 5 + dice.pick(4),
+              wide = 5 + dice.pick(4);
+    for (int j = row; j < row + high; ++j)
+      for (int k = along; k < along + wide; ++k) list.push_back(m.number(j, k));
+  }
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+  return list;
+}
+
+/// What a series made: the modes, and of each node in contact overlap and sliding rate.
+struct Made {
+  std::vector<double> modes, nodes;
+  Made(const Scene& m, int contacts)
+      : modes(m.s.work.series.modes, m.s.work.series.modes + (most_order + 1) * P * width),
+        nodes(m.s.work.series.nodes,
+              m.s.work.series.nodes + static_cast<std::ptrdiff_t>(contacts) * 2 * overlap_terms) {}
+};
+
+class Clusters : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Degrees, Clusters, testing::Values(1e-6, 1e-8));
+
+TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
+  const double tolerance = GetParam();
+  Dice dice(3);
+  Scene m(tolerance);
+  ASSERT_EQ(m.t.clusters.degree, tolerance == 1e-6 ? 2 : 3);
+  for (int trial = 0; trial < 30; ++trial) {
+    m.touch(patches_of(m, dice, 24, 40));
+    m.draw_motion(dice);
+    const int contacts = m.s.carried.contacts.count;
+    const Place place = SliderPath(m.t.motion).at(dice.pick(1'000'000) * std::int64_t{1000});
+    const double scale = dice.ratio(2e-6, 6e-6);
+    Series shared = m.modal_series();
+    ASSERT_TRUE(shared.expand(m.u.data(), m.v.data(), place, scale));
+    ASSERT_GE(shared.cluster_of(m.s.carried.contacts.nodes[0]), 0);
+    ASSERT_GT(shared.neglected(), 0);
+    const Made together(m, contacts);
+    const double end = std::min(1.0, shared.usable_length(tolerance));
+    const int degree = m.t.clusters.degree;
+    m.t.clusters.degree = 0;
+    Series apart = m.modal_series();
+    ASSERT_TRUE(apart.expand(m.u.data(), m.v.data(), place, scale));
+    ASSERT_LT(apart.cluster_of(m.s.carried.contacts.nodes[0]), 0);
+    const Made single(m, contacts);
+    m.t.clusters.degree = degree;
+
+    const double rounding = 64 * eps * (m.of_lanes(m.t.bounds.largest_shape, m.u) + 1e-6);
+    for (int e = 0; e < contacts; ++e) {
+      const double *a = together.nodes.data() + e * 2 * overlap_terms,
+                   *b = single.nodes.data() + e * 2 * overlap_terms;
+      // both leave out a part of their own
+      EXPECT_NEAR(a[0], b[0], shared.neglected() + apart.neglected() + rounding);
+      double over[2]{}, rate[2]{};
+      for (int i = 0; i < 2; ++i) {
+        over[i] = polynomial(i == 0 ? a : b, shared.degree(), end);
+        rate[i] = polynomial((i == 0 ? a : b) + overlap_terms, shared.degree(), end);
+      }
+      const double moved = m.of_lanes(m.t.bounds.largest_shape, m.v) * scale;
+      EXPECT_NEAR(over[0], over[1], tolerance * moved + rounding);
+      EXPECT_NEAR(rate[0], rate[1], tolerance * moved + rounding);
+    }
+    // in the energy norm, at the end of the step
+    double difference = 0, size = 0;
+    for (int k = 0; k < clustered_modes; ++k) {
+      const auto speed_of = [&](const Made& made) {
+        double sum = 0;
+        for (int j = m.t.adaptive.order; j > 0; --j)
+          sum = sum * end + j * made.modes[j * P * width + k];
+        return sum / scale;
+      };
+      difference += m.t.modes.mass[k] * std::pow(speed_of(together) - speed_of(single), 2);
+      size += m.t.modes.mass[k] * std::pow(speed_of(single), 2);
+    }
+    EXPECT_LT(std::sqrt(difference / size), tolerance);
+  }
+}
+
+/// The polynomials of a cluster hold for the free nodes about it, too.
+TEST_P(Clusters, ServeFreeNodes) {
+  Dice dice(4);
+  Scene m(GetParam());
+  int served = 0;
+  for (int trial = 0; trial < 10; ++trial) {
+    const int row = 6 + dice.pick(10), along = 6 + dice.pick(20);
+    std::vector<int> nodes;
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 4; ++i) nodes.push_back(m.number(row + j, along + i));
+    m.touch(nodes);
+    m.draw_motion(dice);
+    const Place place = SliderPath(m.t.motion).at(dice.pick(1'000'000) * std::int64_t{1000});
+    Series shared = m.modal_series();
+    ASSERT_TRUE(shared.expand(m.u.data(), m.v.data(), place, 3e-6));
+    for (const int node : {m.number(row - 1, along), m.number(row + 4, along + 1),
+                           m.number(row + 1, along - 1), m.number(0, 0)}) {
+      ASSERT_TRUE(shared.expand_nodes(place, &node, 1));
+      std::array<double, overlap_terms> by_cluster, by_itself;
+      shared.overlap_of(node, place, by_cluster.data());
+      served += shared.cluster_of(node) >= 0 ? 1 : 0;
+      Series other = shared;
+      other.forget_clusters();
+      ASSERT_TRUE(other.expand_nodes(place, &node, 1));
+      other.overlap_of(node, place, by_itself.data());
+      const double moved = m.of_lanes(m.t.bounds.largest_shape, m.v) * 3e-6;
+      for (int j = 0; j <= shared.degree(); ++j)
+        EXPECT_NEAR(by_cluster[j], by_itself[j], GetParam() * moved + 1e-20);
+    }
+  }
+  EXPECT_GE(served, 10);
+}
+
+/// Bounds on a step hold for what its series do.
+TEST_P(Clusters, BoundsHold) {
+  Dice dice(5);
+  Scene m(GetParam());
+  for (int trial = 0; trial < 20; ++trial) {
+    m.touch(patches_of(m, dice, 24, 40));
+    m.draw_motion(dice);
+    const Place place = SliderPath(m.t.motion).at(dice.pick(1'000'000) * std::int64_t{1000});
+    const double scale = dice.ratio(2e-6, 6e-6);
+    Series shared = m.modal_series();
+    ASSERT_TRUE(shared.expand(m.u.data(), m.v.data(), place, scale));
+    const Contacts<HostLanes, P> contacts(lanes, m.t.adaptive, m.s.carried.contacts, m.s.work.spans,
+                                          m.s.work.listed_nodes, m.s.work.search.onsets,
+                                          m.s.work.search.bernstein);
+    const double end = std::min(1.0, shared.usable_length(GetParam()));
+    contacts.first_end(shared, end, 1e-15);
+    const MotionBounds bounds = shared.bounds(end);
+    const double* const rows = m.s.work.series.modes;
+    double travel = 0;
+    for (int k = 0; k < clustered_modes; ++k) {
+      double moved = 0;
+      for (int j = m.t.adaptive.order; j > 0; --j) moved = (moved + rows[j * P * width + k]) * end;
+      travel += m.t.bounds.largest_shape[k] * std::abs(moved);
+    }
+    EXPECT_LE(travel, bounds.travel);
+    for (int e = 0; e < m.s.carried.contacts.count; ++e) {
+      const double* o = shared.overlap(e);
+      double fourth = 0;
+      for (int j = shared.degree(); j >= 4; --j)
+        fourth = 0.5 * end * fourth + j * (j - 1.0) * (j - 2) * (j - 3) * o[j];
+      EXPECT_LE(std::abs(fourth) / std::pow(scale, 4), bounds.fourth_derivative);
+    }
+  }
+}
+
+TEST(ContactClusters, LeaveSingleNodesAlone) {
+  Dice dice(6);
+  Scene m(1e-6, 60, 120);
+  m.draw_motion(dice);
+  m.u.fill(HostLanes::Real(0.0));
+  m.t.contact.node_stiffness = 1;  // it is only asked which nodes share their sums
+  const Place place = SliderPath(m.t.motion).at(1'000'000);
+  const auto in_clusters = [&](std::vector<int> nodes) {
+    m.touch(std::move(nodes));
+    Series series = m.modal_series();
+    EXPECT_TRUE(series.expand(m.u.data(), m.v.data(), place, 3e-6));
+    return series.cluster_of(m.s.carried.contacts.nodes[0]) >= 0;
+  };
+  const auto block = [&](int row, int along, int size) {
+    std::vector<int> nodes;
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) nodes.push_back(m.number(row + j, along + i));
+    return nodes;
+  };
+  EXPECT_TRUE(in_clusters(block(10, 10, 4)));
+  EXPECT_FALSE(in_clusters(block(10, 10, 1)));
+  EXPECT_FALSE(in_clusters({m.number(3, 5), m.number(30, 50), m.number(50, 110)}));
+  EXPECT_TRUE(in_clusters(block(1, 1, 24)));   // 25 clusters
+  EXPECT_FALSE(in_clusters(block(1, 1, 50)));  // more than 48
+}
+
+/// Places are kept for a window; when there is no room for more, all begin anew.
+TEST(ContactClusters, ComeToTheSameBitsWhateverPlacesAreKept) {
+  Scene m(1e-6, 60, 120), fresh(1e-6, 60, 120);
+  const Place place = SliderPath(m.t.motion).at(1'000'000);
+  Dice dice(7);
+  int places = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    m.touch(patches_of(m, dice, 60, 120));
+    m.draw_motion(dice);
+    fresh.touch(
+        {m.s.carried.contacts.nodes, m.s.carried.contacts.nodes + m.s.carried.contacts.count});
+    fresh.u = m.u, fresh.v = m.v;
+    fresh.s.marks.places_window = -1;
+    ASSERT_TRUE(m.modal_series().expand(m.u.data(), m.v.data(), place, 3e-6));
+    ASSERT_TRUE(fresh.modal_series().expand(m.u.data(), m.v.data(), place, 3e-6));
+    places += fresh.s.marks.places_used;
+    const Made a(m, m.s.carried.contacts.count), b(fresh, m.s.carried.contacts.count);
+    ASSERT_EQ(std::memcmp(a.modes.data(), b.modes.data(), a.modes.size() * sizeof(double)), 0);
+    ASSERT_EQ(std::memcmp(a.nodes.data(), b.nodes.data(), a.nodes.size() * sizeof(double)), 0);
+  }
+  EXPECT_GT(places, 2 * most_places);
+}
+
+}  // namespace
