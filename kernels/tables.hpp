@@ -183,7 +183,7 @@ struct Extents {
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
   /// Even rows, where places of clusters may be; packs of nodes in all clusters.
-  int place_rows() const { return rows / 2 + 1; }
+  int place_rows() const { return rows / 2 + 2; }
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   bool adaptive() const { return flight_levels > 0; }

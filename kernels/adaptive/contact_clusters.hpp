@@ -301,7 +301,7 @@ class ContactClusters {
     const std::int64_t window = place.window(motion_);
     int used = marks_.places_window == window ? marks_.places_used : 0;
     for (int s = 0; s < count_; ++s) {
-      const int id = buffers_.row[s] / 2 * ((slider_.row + 1) / 2) + buffers_.node[s] / 2;
+      const int id = buffers_.row[s] / 2 * (slider_.row / 2 + 2) + buffers_.node[s] / 2;
       int at = 0;
       while (at < used && marks_.place_id[at] != id) ++at;
       if (at == most_places) {  // full: of this step's clusters alone
@@ -332,15 +332,15 @@ class ContactClusters {
                                at + (place.part + 0.5) * motion_.window_width, c);
     const double* const across =
         tables_.across + static_cast<std::int64_t>(buffers_.row[s] / 2) * (4 * row);
-    const int last = faces_.rows.nodes - 1;
-    const int left = node < last ? node : last > 0 ? last - 1 : 0, right = last > 0 ? left + 1 : 0;
+    const int right = faces_.rows.nodes > 1 ? 1 : 0;  // the slider's shapes are straight lines
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real own(0.0);
       for (int k = 0; k < slider_.modes; ++k) {
         const double* const shape = slider_.shape + static_cast<std::int64_t>(k) * slider_.row;
         const Real unit = load_pack(lanes_, slider_.unit + k * row, p);
-        c[0][p] = multiply_add(shape[node], unit, c[0][p]);
-        own = multiply_add(shape[right] - shape[left], unit, own);
+        const double slope = shape[right] - shape[0];
+        c[0][p] = multiply_add(Kokkos::fma(node, slope, shape[0]), unit, c[0][p]);
+        own = multiply_add(slope, unit, own);
       }
       for (int t = 0; t < cluster_sums(tables_.degree); ++t)
         lanes_.store(to + t * row + p * width,
