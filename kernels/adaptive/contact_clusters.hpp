@@ -284,8 +284,9 @@ class ContactClusters {
       lanes_.sync();
       if (lanes_.leader()) {
         if (s == count) {
-          buffers_.node[s] = i & ~1;
-          buffers_.row[s] = (j + 1) & ~1;
+          // the node is the first of its contact's lowest row, of which it may be the middle
+          buffers_.node[s] = (i + 1) & ~1;
+          buffers_.row[s] = (j + 2) & ~1;
         }
         buffers_.cluster[e] = s;
       }
@@ -332,13 +333,15 @@ class ContactClusters {
                                at + (place.part + 0.5) * motion_.window_width, c);
     const double* const across =
         tables_.across + static_cast<std::int64_t>(buffers_.row[s] / 2) * (4 * row);
-    const int right = faces_.rows.nodes > 1 ? 1 : 0;  // the slider's shapes are straight lines
+    // the slider's shapes are straight lines, and a place may lie behind their end
+    const int last = faces_.rows.nodes - 1;
+    const double per_node = last > 0 ? 1.0 / last : 0.0;
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real own(0.0);
       for (int k = 0; k < slider_.modes; ++k) {
         const double* const shape = slider_.shape + static_cast<std::int64_t>(k) * slider_.row;
         const Real unit = load_pack(lanes_, slider_.unit + k * row, p);
-        const double slope = shape[right] - shape[0];
+        const double slope = per_node * (shape[last] - shape[0]);
         c[0][p] = multiply_add(Kokkos::fma(node, slope, shape[0]), unit, c[0][p]);
         own = multiply_add(slope, unit, own);
       }

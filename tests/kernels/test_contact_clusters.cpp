@@ -291,7 +291,7 @@ TEST(ContactClusters, LeaveSingleNodesAlone) {
   EXPECT_TRUE(in_clusters(block(10, 10, 4)));
   EXPECT_FALSE(in_clusters(block(10, 10, 1)));
   EXPECT_FALSE(in_clusters({m.number(3, 5), m.number(30, 50), m.number(50, 110)}));
-  EXPECT_TRUE(in_clusters(block(1, 1, 24)));   // 25 clusters
+  EXPECT_TRUE(in_clusters(block(1, 1, 20)));   // 35 clusters at the most
   EXPECT_FALSE(in_clusters(block(1, 1, 50)));  // more than 48
 }
 
