@@ -14,8 +14,10 @@
 namespace ra2d {
 
 int numerics_version_of(const Scene& scene) {
-  // smooth faces under `adaptive`: cells that are expected to stay open are left out of a step
-  return scene.faces == Faces::smooth && is_adaptive(scene) ? 3 : numerics_version;
+  if (!is_adaptive(scene)) return numerics_version;
+  // smooth faces: cells that are expected to stay open are left out of a step; areal scenes: nodes
+  // in contact are gathered in clusters
+  return scene.faces == Faces::smooth || scene.kind == SceneKind::areal ? 3 : numerics_version;
 }
 
 std::string run_key(const Model& model) {

@@ -201,6 +201,40 @@ TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
   }
 }
 
+/// What polynomials leave out of a shape, at the corners of what a place has in reach.
+TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
+  const Model model = test::areal_march(test::fine_maps(), 1e-6, 1e-4).model;
+  const double along = (cluster_reach + 0.5) * model.scene.spacing,
+               across = cluster_reach * model.spacing_y;
+  Dice dice(2);
+  double nearest = 0;
+  for (const int degree : {2, 3})
+    for (int trial = 0; trial < 2000; ++trial) {
+      const BodyMode& mode = model.resonator.modes[static_cast<std::size_t>(dice.pick(40))];
+      const double x = dice.uniform(along, model.scene.resonator.length - along),
+                   y = dice.uniform(across, model.scene.resonator.width - across);
+      double of_x[4], of_y[4], there, beside;
+      mode.shape->evaluate(x, 4, of_x);
+      mode.shape->evaluate_across(y, 4, of_y);
+      for (const double dx : {-along, along})
+        for (const double dy : {-across, across}) {
+          mode.shape->evaluate(x + dx, 1, &there);
+          mode.shape->evaluate_across(y + dy, 1, &beside);
+          double polynomial = 0;
+          for (int a = 0; a <= degree; ++a)
+            for (int b = 0; a + b <= degree; ++b)
+              polynomial += of_x[a] * std::pow(dx, a) / std::tgamma(a + 1) * of_y[b] *
+                            std::pow(dy, b) / std::tgamma(b + 1);
+          const double bound = cluster_remainder(model, mode, degree),
+                       rounding = 8 * eps * mode.shape->size();
+          ASSERT_LE(std::abs(there * beside - polynomial), bound + rounding);
+          if (bound > 100 * rounding)
+            nearest = std::max(nearest, std::abs(there * beside - polynomial) / bound);
+        }
+    }
+  EXPECT_GT(nearest, 0.45);
+}
+
 /// The polynomials of a cluster hold for the free nodes about it, too.
 TEST_P(Clusters, ServeFreeNodes) {
   Dice dice(4);
