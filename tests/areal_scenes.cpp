@@ -74,9 +74,9 @@ ArealScene many_nodes() {
   s.block_heights = rough_map(37, 150, 2e-6, 4);
   return s;
 }
-ArealScene fine_maps() {
+ArealScene fine_maps(int modes) {
   constexpr int nodes = 40, rows = 24;
-  ArealScene s = small_areal_scene(Support::free);
+  ArealScene s = small_areal_scene(Support::free, modes);
   s.spacing = 3e-6, s.spacing_y = 2.5e-6;
   s.block.length = (nodes - 1) * s.spacing, s.block.width = rows * s.spacing_y;
   s.block.thickness = 0.05;  // heavy enough to keep the faces in contact

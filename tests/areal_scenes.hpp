@@ -23,7 +23,7 @@ ArealScene many_nodes();
 
 /// 40 x 24 nodes, 3 um apart: contacts of many nodes each, which the march gathers in clusters at
 /// tolerances of 1e-6 and 1e-8.
-ArealScene fine_maps();
+ArealScene fine_maps(int modes = 40);
 
 /// A scene with y turned round.
 ArealScene mirrored(ArealScene scene);

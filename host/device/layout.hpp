@@ -29,7 +29,7 @@ PatchSeries choose_series(const Model& model, int width);
 /// (fastest rate times time)^4/24 nothing is left there.
 int first_flight_level(const Model& model);
 
-/// What polynomials of a degree about the place of a cluster
+/// Bound on what polynomials of a degree about the place of a cluster
 /// (kernels/adaptive/contact_clusters.hpp) leave out of a shape, in its own unit. Nothing of a
 /// straight line.
 double cluster_remainder(const Model& model, const BodyMode& mode, int degree);

@@ -536,7 +536,7 @@ class ModalSeries {
       travel[p] = c1 + c2;
     }
   }
-  /// What may be left out of an overlap, as a share of the tolerance times the modes' way.
+  /// Bound on what is left out of an overlap, as a share of the tolerance times the modes' way.
   static constexpr double bearable_share = 0.03;
 
   /// `terms` of the shapes at a node; of clusters, the degree of their polynomials.

@@ -244,6 +244,7 @@ TEST_F(StudyCrash, NobodyTouchesACheckpointOfARunThatAnotherProcessRuns) {
 
 TEST_F(StudyCrash, AWallClockThatIsSetForthAndBackChangesNothing) {
   if (faulty_disk().empty()) GTEST_SKIP() << "nothing can be loaded before sanitizers";
+  write_study(0.3, false);
   ASSERT_EQ(run("whole").status, 0);
   const auto run_meanwhile = [&](const std::vector<std::string>& more) {
     std::vector<std::string> words{"env", "LD_PRELOAD=" + faulty_disk(), "FAULTY_CLOCK=-86400"};

@@ -133,7 +133,7 @@ std::vector<int> patches_of(const Scene& m, Dice& dice, int rows, int nodes) {
   return list;
 }
 
-/// What a series made: the modes, and of each node in contact overlap and sliding rate.
+/// The result of a series: the modes, and of each node in contact overlap and sliding rate.
 struct Made {
   std::vector<double> modes, nodes;
   Made(const Scene& m, int contacts)
@@ -160,7 +160,7 @@ TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
     ASSERT_TRUE(shared.expand(m.u.data(), m.v.data(), place, scale));
     ASSERT_GE(shared.cluster_of(m.s.carried.contacts.nodes[0]), 0);
     ASSERT_GT(shared.neglected(), 0);
-    const Made together(m, contacts);
+    const Made in_clusters(m, contacts);
     const double end = std::min(1.0, shared.usable_length(tolerance));
     const int degree = m.t.clusters.degree;
     m.t.clusters.degree = 0;
@@ -172,7 +172,7 @@ TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
 
     const double rounding = 64 * eps * (m.of_lanes(m.t.bounds.largest_shape, m.u) + 1e-6);
     for (int e = 0; e < contacts; ++e) {
-      const double *a = together.nodes.data() + e * 2 * overlap_terms,
+      const double *a = in_clusters.nodes.data() + e * 2 * overlap_terms,
                    *b = single.nodes.data() + e * 2 * overlap_terms;
       // both leave out a part of their own
       EXPECT_NEAR(a[0], b[0], shared.neglected() + apart.neglected() + rounding);
@@ -194,14 +194,14 @@ TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
           sum = sum * end + j * made.modes[j * P * width + k];
         return sum / scale;
       };
-      difference += m.t.modes.mass[k] * std::pow(speed_of(together) - speed_of(single), 2);
+      difference += m.t.modes.mass[k] * std::pow(speed_of(in_clusters) - speed_of(single), 2);
       size += m.t.modes.mass[k] * std::pow(speed_of(single), 2);
     }
     EXPECT_LT(std::sqrt(difference / size), tolerance);
   }
 }
 
-/// What polynomials leave out of a shape, at the corners of what a place has in reach.
+/// The part of a shape that polynomials leave out, at the corners of what a place has in reach.
 TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
   const Model model = test::areal_march(test::fine_maps(), 1e-6, 1e-4).model;
   const double along = (cluster_reach + 0.5) * model.scene.spacing,
@@ -213,13 +213,13 @@ TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
       const BodyMode& mode = model.resonator.modes[static_cast<std::size_t>(dice.pick(40))];
       const double x = dice.uniform(along, model.scene.resonator.length - along),
                    y = dice.uniform(across, model.scene.resonator.width - across);
-      double of_x[4], of_y[4], there, beside;
+      double of_x[4], of_y[4], along_there, across_there;
       mode.shape->evaluate(x, 4, of_x);
       mode.shape->evaluate_across(y, 4, of_y);
       for (const double dx : {-along, along})
         for (const double dy : {-across, across}) {
-          mode.shape->evaluate(x + dx, 1, &there);
-          mode.shape->evaluate_across(y + dy, 1, &beside);
+          mode.shape->evaluate(x + dx, 1, &along_there);
+          mode.shape->evaluate_across(y + dy, 1, &across_there);
           double polynomial = 0;
           for (int a = 0; a <= degree; ++a)
             for (int b = 0; a + b <= degree; ++b)
@@ -227,9 +227,9 @@ TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
                             std::pow(dy, b) / std::tgamma(b + 1);
           const double bound = cluster_remainder(model, mode, degree),
                        rounding = 8 * eps * mode.shape->size();
-          ASSERT_LE(std::abs(there * beside - polynomial), bound + rounding);
+          ASSERT_LE(std::abs(along_there * across_there - polynomial), bound + rounding);
           if (bound > 100 * rounding)
-            nearest = std::max(nearest, std::abs(there * beside - polynomial) / bound);
+            nearest = std::max(nearest, std::abs(along_there * across_there - polynomial) / bound);
         }
     }
   EXPECT_GT(nearest, 0.45);
@@ -295,10 +295,10 @@ TEST_P(Clusters, BoundsHold) {
     EXPECT_LE(travel, bounds.travel);
     for (int e = 0; e < m.s.carried.contacts.count; ++e) {
       const double* o = shared.overlap(e);
-      double fourth = 0;
+      double derivative = 0;
       for (int j = shared.degree(); j >= 4; --j)
-        fourth = 0.5 * end * fourth + j * (j - 1.0) * (j - 2) * (j - 3) * o[j];
-      EXPECT_LE(std::abs(fourth) / std::pow(scale, 4), bounds.fourth_derivative);
+        derivative = 0.5 * end * derivative + j * (j - 1.0) * (j - 2) * (j - 3) * o[j];
+      EXPECT_LE(std::abs(derivative) / std::pow(scale, 4), bounds.fourth_derivative);
     }
   }
 }
@@ -310,7 +310,7 @@ TEST(ContactClusters, LeaveSingleNodesAlone) {
   m.u.fill(HostLanes::Real(0.0));
   m.t.contact.node_stiffness = 1;  // it is only asked which nodes share their sums
   const Place place = SliderPath(m.t.motion).at(1'000'000);
-  const auto in_clusters = [&](std::vector<int> nodes) {
+  const auto shares_sums = [&](std::vector<int> nodes) {
     m.touch(std::move(nodes));
     Series series = m.modal_series();
     EXPECT_TRUE(series.expand(m.u.data(), m.v.data(), place, 3e-6));
@@ -322,11 +322,11 @@ TEST(ContactClusters, LeaveSingleNodesAlone) {
       for (int i = 0; i < size; ++i) nodes.push_back(m.number(row + j, along + i));
     return nodes;
   };
-  EXPECT_TRUE(in_clusters(block(10, 10, 4)));
-  EXPECT_FALSE(in_clusters(block(10, 10, 1)));
-  EXPECT_FALSE(in_clusters({m.number(3, 5), m.number(30, 50), m.number(50, 110)}));
-  EXPECT_TRUE(in_clusters(block(1, 1, 20)));   // 35 clusters at the most
-  EXPECT_FALSE(in_clusters(block(1, 1, 50)));  // more than 48
+  EXPECT_TRUE(shares_sums(block(10, 10, 4)));
+  EXPECT_FALSE(shares_sums(block(10, 10, 1)));
+  EXPECT_FALSE(shares_sums({m.number(3, 5), m.number(30, 50), m.number(50, 110)}));
+  EXPECT_TRUE(shares_sums(block(1, 1, 20)));   // 35 clusters at the most
+  EXPECT_FALSE(shares_sums(block(1, 1, 50)));  // more than 48
 }
 
 /// Places are kept for a window; when there is no room for more, all begin anew.

@@ -10,8 +10,11 @@ namespace ra2d::test {
 template <Form form>
 void march_form_on_pack(int packs, const SceneTables& tables, SceneState& state,
                         std::int64_t target) {
-  static_assert(most_packs == 2);
+  static_assert(most_packs == 2 && clustered_packs == 4);
   const PackLanes lanes;
+  if constexpr (form == Form::adaptive)
+    if (packs == clustered_packs)
+      return march_scene<PackLanes, form, clustered_packs>(lanes, tables, state, target);
   packs == 1 ? march_scene<PackLanes, form, 1>(lanes, tables, state, target)
              : march_scene<PackLanes, form, 2>(lanes, tables, state, target);
 }
@@ -21,6 +24,9 @@ void march_form_on_warp(Warp& warp, int packs, const SceneTables& tables, SceneS
                         std::int64_t target) {
   warp.run([&](int lane) {
     const FiberLanes lanes{warp, lane};
+    if constexpr (form == Form::adaptive)
+      if (packs == clustered_packs)
+        return march_scene<FiberLanes, form, clustered_packs>(lanes, tables, state, target);
     packs == 1 ? march_scene<FiberLanes, form, 1>(lanes, tables, state, target)
                : march_scene<FiberLanes, form, 2>(lanes, tables, state, target);
   });

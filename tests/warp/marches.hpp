@@ -12,6 +12,8 @@ namespace ra2d::test {
 
 /// Packs of 32 modes that are compiled.
 inline constexpr int most_packs = 2;
+/// With `adaptive` also so many, for nodes in contact in clusters.
+inline constexpr int clustered_packs = 4;
 
 /// Marches a scene of `packs` packs on a thread whose packs are as wide as a warp.
 void march_on_pack(int packs, const SceneTables& tables, SceneState& state, std::int64_t target);

@@ -147,6 +147,18 @@ TEST(MarchOnWarp, ArealScenesHaveTheBitsOfAPack) {
   EXPECT_EQ(seen.touching, 1);
 }
 
+TEST(MarchOnWarp, ClustersHaveTheBitsOfAPack) {
+  for (const double tolerance : {1e-6, 1e-8}) {
+    const Started c = areal_march(fine_maps(100), tolerance, 1e-4, 10);
+    ASSERT_GT(cluster_degree(c.model, warp_width), 0);
+    for (Seen seen; seen.scenes < 3;) {  // in each order of the lanes
+      seen.touching = 0;
+      expect_same(c, c.model.steps / 20, seen);
+      EXPECT_EQ(seen.touching, 1);
+    }
+  }
+}
+
 TEST(MarchOnWarp, AdaptiveScenesHaveTheBitsOfAPack) {
   Seen seen;
   for (std::uint64_t seed = 1; seen.scenes < scenes_each; ++seed) {

@@ -86,7 +86,7 @@ def test_a_fault_of_the_scene_has_the_programs_words():
 
 def test_progress_is_shown_in_its_place(folder):
     seen = []
-    scene = ra2d.scene("dang2012").change(duration=0.4)  # backward Euler: a second or two
+    scene = ra2d.scene("dang2012").change(duration=1)  # backward Euler: a second or two
     program.follow(["run", scene.file(folder), *scene.options(), "-o", folder / "progress.h5"], seen.append)
     shares = [progress._share(text) for text in seen]
     assert len(seen) > 2 and shares == sorted(shares) and 0 < shares[-1] <= 1
