@@ -13,16 +13,18 @@
 // medians of three; steps of 10 us, but 4 us at 8 um):
 //
 //   spacing      64 um   50 um   32 um   16 um   8 um
-//    5 x  5 mm                   0.70
-//   10 x 10 mm   0.91    0.94    1.06    1.9
-//   20 x 20 mm   1.6             1.6     3.1     15       (6.25 million nodes, 59 touch)
-//   40 x 40 mm                   4.2
+//    5 x  5 mm                   0.45
+//   10 x 10 mm   0.55    0.58    0.62    1.1
+//   20 x 20 mm   0.96            0.90    1.6     4.8      (6.25 million nodes, 59 touch)
+//   40 x 40 mm                   2.5
+//
+// Other machines take up to twice as long.
 //
 // areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //
 // Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former a fifth goes into overlaps
-// of candidate groups, a sixth into the series of the modes; of the latter half into the series,
-// which count every node in contact.
+// of candidate groups, a sixth into the series of the modes; of the latter a quarter into the
+// series, where nodes in contact stand in clusters, and a third into candidate groups.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -65,9 +65,10 @@ void estimate_adaptive(const Scene& scene, const SceneCount& count, double highe
   work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching);
   const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
                            (count.areal ? step_costs::row_groups : 0.0);
-  const double step = (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
-                      (count.areal ? 1 + step_costs::more_share * count.touching
-                                   : 1 + step_costs::usual_more_share * (count.touching - 1));
+  const double step =
+      (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
+      (count.areal ? step_costs::row_step + step_costs::row_more_share * count.touching
+                   : 1 + step_costs::usual_more_share * (count.touching - 1));
   work.march =
       ns *
       (work.steps *

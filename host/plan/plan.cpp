@@ -193,7 +193,8 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
       const double omega = omega_c * std::sqrt(touching);
       return (step_costs::row_steps * (std::max(fastest, omega) / theta + 2 * omega / M_PI) +
               step_costs::row_crossings * crossings * touching) *
-             (step_costs::row_groups + step * (1 + step_costs::more_share * touching) +
+             (step_costs::row_groups +
+              step * (step_costs::row_step + step_costs::row_more_share * touching) +
               evaluation_ns);
     }
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side

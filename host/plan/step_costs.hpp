@@ -24,10 +24,11 @@ inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_ne
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
 // Of areal scenes, from runs of scenes/areal.toml at spacings of 64 to 8 um. Steps over those that
 // plan_adaptive_steps counts: by the fastest motion and by nodes that touch or let go; for each
-// node in contact that passes another. What a step looks at beside the nodes in contact. Nodes in
-// contact on average, over those of the static start.
-inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_groups = 25000,
-                        row_contacts = 0.7;
+// node in contact that passes another. A step, over one of a plane scene of as many modes; each
+// node in contact, over the same; all that a step evaluates elsewhere. Nodes in contact on average,
+// over those of the static start.
+inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_step = 0.5,
+                        row_more_share = 0.05, row_groups = 5000, row_contacts = 0.7;
 // Of their fixed steps, a stage in contact; each node more, a mode.
 inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 // Between smooth faces: a step with contact, of sixteen stages.
