@@ -169,8 +169,8 @@ def touched(time, force):
 
 
 def shocks(found):
-    """Of each bump that is passed: time of the impulse's centre [s], impulse [N s], duration [s], largest pressure
-    [Pa]."""
+    """Of each bump that is passed: time of the impulse's centre [s], impulse [N s], duration [s],
+    largest pressure [Pa]."""
     rows = []
     for at in (at for at in BUMPS if START + SPEED * found[-1, 0] > at + 0.45 * PITCH):
         part = found[np.abs(START + SPEED * found[:, 0] - at) <= PITCH / 2]
@@ -196,7 +196,8 @@ def differences(first, second):
     ours, peer = shocks(first), shocks(second)
     off = np.abs(ours - peer)
     moved = np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1]) - second[:, 1]).max() / np.abs(second[:, 1]).max()
-    return off[:, 0].max(), off[:, 1].max() / peer[:, 1].max(), off[:, 2].max(), (off[:, 3] / peer[:, 3]).max(), moved
+    return (off[:, 0].max(), off[:, 1].max() / peer[:, 1].max(), off[:, 2].max(),
+            (off[:, 3] / peer[:, 3]).max(), moved)
 
 
 def sum_of(pairs):

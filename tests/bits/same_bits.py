@@ -46,9 +46,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 COST = {f"summary/{name}" for name in ("nodes_evaluated", "step_seconds", "wall_seconds")}
 PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}  # attributes of a file
 # which files of older programs lack
-ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rate_low", "summary/shock_rate_high"} | {
-    "shocks/y", "probes/probe", "probes/y", "slider_probes/probe", "slider_probes/y"} | {  # of areal scenes
-    f"{body}/{name}" for body in ("resonator", "slider") for name in ("position", "y", "shape_x", "shape_y")}
+ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rate_low",
+         "summary/shock_rate_high",
+         # of areal scenes
+         "shocks/y", "probes/probe", "probes/y", "slider_probes/probe", "slider_probes/y",
+         *(f"{body}/{name}" for body in ("resonator", "slider")
+           for name in ("position", "y", "shape_x", "shape_y"))}
 RENAMED = {"shocks/serial": "shocks/shock"}  # since format 3
 COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}  # doubles in format 2, integers in 3
 

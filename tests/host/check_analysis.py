@@ -85,7 +85,8 @@ def check_spectrum(file, said, rows, rate):
     force = file["contact/force"][rows]
     near(spectrum["psd_force"], welch((force - force.mean())[:, None], rate, segment)[:, 0], "psd_force")
     if scipy:
-        nu, (low, high) = spectrum["degrees_of_freedom"], scipy.stats.chi2.ppf([0.975, 0.025], spectrum["degrees_of_freedom"])
+        nu = spectrum["degrees_of_freedom"]
+        low, high = scipy.stats.chi2.ppf([0.975, 0.025], nu)
         near([spectrum["confidence"]["low"], spectrum["confidence"]["high"]], [nu / low, nu / high], "confidence")
     # the mean over the resonator is that over its places
     elastic = file["resonator/frequency"][()] > 0

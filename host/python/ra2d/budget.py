@@ -60,7 +60,8 @@ class Budget:
     The interval of the whole adds chance and shifts as squares.
 
     >>> import ra2d
-    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+    >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+    >>> budget = ra2d.uncertainty(scene, seeds=3)
     >>> budget.level.unit, budget.table.attrs["units"]["shock_rate"]
     ('dB re 1 nm/s', 'ln/100')
     >>> budget.realisations["slider"].tolist()
@@ -81,7 +82,8 @@ class Budget:
         """The text that `ra2d uncertainty` prints.
 
         >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+        >>> budget = ra2d.uncertainty(scene, seeds=3)
         >>> print(budget.text().splitlines()[0])                       # doctest: +ELLIPSIS
         level                ... dB re 1 nm/s (95 %: ...), mostly ...
         """
@@ -110,7 +112,8 @@ class Budget:
         """The budget as nested dicts in SI units, for JSON; None for what does not exist.
 
         >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+        >>> budget = ra2d.uncertainty(scene, seeds=3)
         >>> sorted(budget.to_dict())
         ['dominant', 'notes', 'quantities', 'realisations', 'runs', 'sources']
         """
@@ -134,7 +137,8 @@ class Budget:
         """`to_dict` as text.
 
         >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+        >>> budget = ra2d.uncertainty(scene, seeds=3)
         >>> budget.to_json().splitlines()[1]
         '  "quantities": {'
         """
@@ -144,7 +148,8 @@ class Budget:
         """Writes `table` as CSV, its units in the heads. Returns where it is.
 
         >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+        >>> budget = ra2d.uncertainty(scene, seeds=3)
         >>> budget.to_csv("budget.csv").name
         'budget.csv'
         """
@@ -156,7 +161,8 @@ class Budget:
         """`table` as text, its units in the heads.
 
         >>> import ra2d
-        >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+        >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+        >>> budget = ra2d.uncertainty(scene, seeds=3)
         >>> budget.csv().splitlines()[0].split(",")[:3]
         ['source', 'changed to', 'level_dB']
         """
@@ -331,8 +337,8 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     same call continues it.
 
     Realisations of a random face are other seeds. Of a measured one they are other stretches of its
-    trace or map where it is large enough, then its mirror images, then surrogates: the same spectrum with
-    other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as
+    trace or map where it is large enough, then its mirror images, then surrogates: the same
+    spectrum with other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as
     they stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
     surrogate the amplitude of each wave: both scatter less than other traces would.
 
@@ -341,7 +347,8 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     - `threads`: all processors without it
 
     >>> import ra2d
-    >>> budget = ra2d.uncertainty(ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6), seeds=3)
+    >>> scene = ra2d.scene("dang2012").change(duration=0.05, tolerance=1e-6)
+    >>> budget = ra2d.uncertainty(scene, seeds=3)
     >>> budget.table.index.tolist()
     ['chance', 'tolerance', 'spacing', 'modes', 'stiffness']
     >>> budget.level.low < budget.level < budget.level.high

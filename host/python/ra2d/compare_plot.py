@@ -139,7 +139,8 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
     "bands" and "level". `start`, `stop` [s]: of this stretch of the runs alone.
 
     >>> import ra2d
-    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6)
+    ...               for v in (0.1, 0.2)]
     >>> len(ra2d.plot([slow, fast]).axes)
     3
     """

@@ -76,7 +76,8 @@ class Comparison:
     - `notes`: what to mind
 
     >>> import ra2d
-    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.3, tolerance=1e-6)
+    ...               for v in (0.1, 0.2)]
     >>> found = ra2d.compare(slow, fast)
     >>> found.scene.loc["scene.speed"].tolist()
     [0.1, 0.2, 'm/s']
@@ -487,7 +488,8 @@ def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd
     bands = {name: compare("dB re 1 nm/s", _band_of(centre), 0.0)
              for name, centre in _shared_bands([found for side in sides for found in side])}
     _mark_family(bands)
-    test = _test_between(paired, len(a), len(b), "runs") + " In one of twenty comparisons it marks any of the third octaves (Holm)."
+    test = (_test_between(paired, len(a), len(b), "runs")
+            + " In one of twenty comparisons it marks any of the third octaves (Holm).")
     return _table(answers, "quantity"), _table(bands, "band"), test, []
 
 
@@ -594,8 +596,8 @@ def compare(a: Source, b: Source) -> Comparison:
     run, which holds for all faces. Runs of the same faces and the same way are compared in pairs.
 
     >>> import ra2d
-    >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v, duration=0.05, tolerance=1e-6)
-    ...           for k in (1, 2, 3)] for v in (0.1, 0.4)]
+    >>> seeds = [[ra2d.run("dang2012", {"slider.surface.seed": k}, speed=v, duration=0.05,
+    ...                    tolerance=1e-6) for k in (1, 2, 3)] for v in (0.1, 0.4)]
     >>> found = ra2d.compare(*seeds)
     >>> bool(found.answers.differs["level"]), found.answers.difference["level"] > 3      # dB
     (True, True)

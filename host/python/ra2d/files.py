@@ -13,8 +13,8 @@ def read(path: pathlib.Path) -> str:
     try:
         return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as fault:
-        raise FileError(f"cannot read {str(path)!r}: it is no text in UTF-8 ({fault.reason}, byte {fault.start})"
-                        ) from fault
+        raise FileError(f"cannot read {str(path)!r}: it is no text in UTF-8 ({fault.reason}, "
+                        f"byte {fault.start})") from fault
     except OSError as fault:
         raise FileError(f"cannot read {str(path)!r}: {fault.strerror}") from fault
 
@@ -22,7 +22,8 @@ def read(path: pathlib.Path) -> str:
 def require_folder(path: pathlib.Path) -> None:
     """Raises FileError where a file cannot be written since its folder does not exist."""
     if not path.parent.is_dir():
-        raise FileError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}. Make it first")
+        raise FileError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}. "
+                        "Make it first")
 
 
 def make_folder(path: pathlib.Path) -> None:
@@ -30,7 +31,8 @@ def make_folder(path: pathlib.Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
-        raise FileError(f"cannot make the folder {str(path)!r}: {fault.strerror}. Name another one") from fault
+        raise FileError(f"cannot make the folder {str(path)!r}: {fault.strerror}. "
+                        "Name another one") from fault
 
 
 def write(path: pathlib.Path, text: str) -> None:

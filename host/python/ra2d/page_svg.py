@@ -235,7 +235,8 @@ class _Renderer(RendererBase):  # type: ignore[misc]
 
     def draw_image(self, gc: Any, x: float, y: float, im: Any, transform: Any = None) -> None:
         rows, columns = im.shape[:2]
-        sized = Affine2D().scale(1, 1) if transform is None else Affine2D().scale(1 / columns, 1 / rows) + transform
+        sized = (Affine2D().scale(1, 1) if transform is None
+                 else Affine2D().scale(1 / columns, 1 / rows) + transform)
         placed = (sized + Affine2D().translate(x, y) + self.flipped).frozen().to_values()
         out = io.BytesIO()
         Image.fromarray(im[::-1]).convert("RGB").quantize(64).save(out, format="png", optimize=True)

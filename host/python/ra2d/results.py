@@ -220,8 +220,9 @@ class Result:
                          {**velocity, "long_name": "density of the resonator's velocity"}),
              "density_probe": ((along, "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
-             "density_slider_probe": ((slider_along, "frequency"), _rows(s["psd_slider_probe"],
-                                                                         len(found["slider_probes"]), lines),
+             "density_slider_probe": ((slider_along, "frequency"),
+                                      _rows(s["psd_slider_probe"], len(found["slider_probes"]),
+                                            lines),
                                       {**velocity, "long_name": "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
@@ -581,7 +582,8 @@ def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> 
     """Writes one page of several results side by side, with their means. Returns where it is.
 
     >>> import ra2d
-    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6) for v in (0.1, 0.2)]
+    >>> slow, fast = [ra2d.run("dang2012", speed=v, duration=0.02, tolerance=1e-6)
+    ...               for v in (0.1, 0.2)]
     >>> ra2d.report([slow, fast], "speeds.html").name
     'speeds.html'
     """

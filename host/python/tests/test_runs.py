@@ -67,7 +67,8 @@ def test_a_program_beside_is_not_looked_for_on_the_path(fake, monkeypatch):
 def test_each_exit_status_is_an_exception(fake, status, kind):
     fake("ra2d 0.1.0 (x)", f"echo 'ra2d: a doubt' >&2; echo 'ra2d: two faults\nand the second line' >&2; exit {status}")
     for call in (lambda: program.call("x"), lambda: program.follow(["x"], lambda text: None)):
-        with pytest.raises(kind, match="two faults\nand the second line"), pytest.warns(ra2d.Notice, match="a doubt"):
+        with (pytest.raises(kind, match="two faults\nand the second line"),
+              pytest.warns(ra2d.Notice, match="a doubt")):
             call()
 
 
