@@ -38,18 +38,23 @@ def time_at(points, error):
 methods = {}
 with open(sys.argv[1]) as file:
     for row in csv.DictReader(line for line in file if not line.startswith("#")):
-        if row["kind"] == "state-5" and row["law"] == "penalty" and row["error"] and row["wall_median"] and float(row["error"]) > 0:
+        if row["kind"] == "state-5" and row["law"] == "penalty" and row["error"] and row[
+            "wall_median"] and float(row["error"]) > 0:
             name = row["scheme"] + (", new force" if row["contact_force"] == "new" else "")
-            methods.setdefault((kind(row), name), []).append((float(row["error"]), float(row["wall_median"])))
-print("| error | " + " | ".join(f"`{k}`" if k == "adaptive" else k for k in KINDS) + " |\n|" + "---|" * (len(KINDS) + 1))
+            methods.setdefault((kind(row), name),
+                               []).append((float(row["error"]), float(row["wall_median"])))
+print("| error | " + " | ".join(f"`{k}`" if k == "adaptive" else k for k in KINDS) + " |\n|"
+      + "---|" * (len(KINDS) + 1))
 for error in (1e-3, 1e-5, 1e-7, 1e-9):
     cells, own = [], None
     for k in KINDS:
-        times = [(time, name) for (of, name), points in methods.items() if of == k and (time := time_at(points, error))]
+        times = [(time, name) for (of, name), points in methods.items() if of == k
+                 and (time := time_at(points, error))]
         if not times:
             cells.append("none")
             continue
         time, name = min(times)
         own = own or time
-        cells.append(f"{time:.3g}" if k == "adaptive" else f"{time:.2g} ({time / own:.{1 if time < 5 * own else 0}f}) {name}")
+        cells.append(f"{time:.3g}" if k == "adaptive"
+                     else f"{time:.2g} ({time / own:.{1 if time < 5 * own else 0}f}) {name}")
     print(f"| {error:.0e} | ".replace("e-0", "e-") + " | ".join(cells) + " |")

@@ -42,9 +42,12 @@ def commands(program, place, nodes):
     """What is timed: {name: words}. The first makes the profile that the second measures."""
     profile, length = place / "profile.csv", (nodes - 1) * SPACING
     return {
-        "surface generate": [program, "surface", "generate", "-o", profile, "--length", repr(length),
-                             "--spacing", repr(SPACING), "--rq", "2e-6", "--rsm", "1e-4", "--quiet"],
-        "surface measure": [program, "surface", "measure", profile, "--cutoff", "8e-4", "--sampling-lengths", "all"],
+        "surface generate": [program, "surface", "generate", "-o", profile, "--length",
+                             repr(length),
+                             "--spacing", repr(SPACING), "--rq", "2e-6", "--rsm",
+                             "1e-4", "--quiet"],
+        "surface measure": [program, "surface", "measure", profile, "--cutoff", "8e-4",
+                            "--sampling-lengths", "all"],
         "analyze": [program, "analyze", place / "out.h5"]}
 
 
@@ -58,8 +61,10 @@ def main():
     options = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=options.folder) as folder:
         place = pathlib.Path(folder)
-        run([options.programs[0], "run", SCENE, "-o", place / "out.h5", "--quiet", "--set", "time.scheme=adaptive",
-             "--set", "time.tolerance=1e-6", "--set", f"scene.duration={options.seconds}", "--set", "output.rate=100e3"])
+        run([options.programs[0], "run", SCENE, "-o", place / "out.h5", "--quiet", "--set",
+             "time.scheme=adaptive",
+             "--set", "time.tolerance=1e-6", "--set", f"scene.duration={options.seconds}", "--set",
+             "output.rate=100e3"])
         names = list(commands("", place, options.nodes))
         found = {(name, program): [] for name in names for program in options.programs}
         for _ in range(options.rounds):

@@ -43,9 +43,11 @@ def draw(costs, picture):
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
-    figure, (over_spacing, over_area) = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
+    figure, (over_spacing, over_area) = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True,
+                                                     layout="constrained")
     for side in sorted({side for side, _ in costs}):
-        points = [(spacing, cost["wall_per_second"]) for (own, spacing), cost in costs.items() if own == side]
+        points = [(spacing, cost["wall_per_second"]) for (own, spacing), cost in costs.items()
+                  if own == side]
         if len(points) > 1:
             over_spacing.loglog(*zip(*points), "o-", label=f"{side:g} x {side:g} mm")
     over_spacing.set_xlabel("spacing [µm]")
@@ -75,7 +77,8 @@ def main():
     costs = read(request.file)
     print("side, mm  spacing, um  " + "  ".join(COUNTERS.values()))
     for (side, spacing), cost in costs.items():
-        print(f"{side:8g}  {spacing:11g}  " + "  ".join(f"{cost[name]:{len(head)}.4g}" for name, head in COUNTERS.items()))
+        print(f"{side:8g}  {spacing:11g}  " + "  ".join(f"{cost[name]:{len(head)}.4g}"
+                                                        for name, head in COUNTERS.items()))
     if request.csv:
         with open(request.csv, "w", newline="") as out:
             lines = csv.writer(out, lineterminator="\n")

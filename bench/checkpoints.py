@@ -31,7 +31,8 @@ DEFAULT = 600  # s
 def run(program, duration, every, folder, settings):
     """Seconds: in all, marching; and how many checkpoints there were."""
     with tempfile.TemporaryDirectory(dir=folder) as place:
-        words = [program, "run", SCENE, "-o", f"{place}/out.h5", "--set", f"scene.duration={duration}",
+        words = [program, "run", SCENE, "-o", f"{place}/out.h5", "--set",
+                 f"scene.duration={duration}",
                  "--set", "scene.speed=0.02"]
         for setting in settings:
             words += ["--set", setting]
@@ -40,7 +41,8 @@ def run(program, duration, every, folder, settings):
         begun, count = time.perf_counter(), 0
         process = subprocess.Popen(words, text=True, stdout=subprocess.PIPE)
         while process.poll() is None:
-            count = max([count] + [int(part.stem) for part in pathlib.Path(place).glob("out.h5.parts/[0-9]*.h5")])
+            count = max([count] + [int(part.stem)
+                                   for part in pathlib.Path(place).glob("out.h5.parts/[0-9]*.h5")])
             time.sleep(0.01)
         wall = time.perf_counter() - begun
         report = process.stdout.read()
@@ -60,12 +62,14 @@ def main():
     parser.add_argument("--set", action="append", default=[])
     options = parser.parse_args()
     tried = 0.1
-    duration = tried * options.seconds / run(options.program, tried, None, options.folder, options.set)[1]
+    duration = tried * options.seconds / run(options.program, tried, None, options.folder,
+                                             options.set)[1]
     found = {every: [] for every in (None, *options.every)}
     for _ in range(options.runs):
         for every, runs in found.items():
             runs.append(run(options.program, duration, every, options.folder, options.set))
-    overhead = {every: statistics.median(wall - march for wall, march, _ in runs) for every, runs in found.items()}
+    overhead = {every: statistics.median(wall - march for wall, march, _ in runs)
+                for every, runs in found.items()}
     march = statistics.median(march for runs in found.values() for _, march, _ in runs)
     print(f"{march:.1f} s of march; without checkpoints {overhead[None]:.3f} s beside it")
     print(f"{'every':>8} {'checkpoints':>12} {'cost':>9} {'each':>9} {'of the march':>13}")
@@ -73,9 +77,11 @@ def main():
     for every in options.every:
         counts.append(statistics.median(count for _, _, count in found[every]))
         costs.append(overhead[every] - overhead[None])
-        print(f"{every:6g} s {counts[-1]:12g} {costs[-1]:7.3f} s {costs[-1] / max(counts[-1], 1) * 1e3:6.1f} ms "
+        print(f"{every:6g} s {counts[-1]:12g} {costs[-1]:7.3f} s "
+              f"{costs[-1] / max(counts[-1], 1) * 1e3:6.1f} ms "
               f"{costs[-1] / march:12.2%}")
-    if len(set(counts)) > 1:  # cost = each * segments + share * march, by least squares; the end is a segment, too
+    # cost = each * segments + share * march, by least squares; the end is a segment, too
+    if len(set(counts)) > 1:
         counts = [count + 1 for count in counts]
         mean_count, mean_cost = statistics.mean(counts), statistics.mean(costs)
         each = (sum((n - mean_count) * (c - mean_cost) for n, c in zip(counts, costs))

@@ -18,13 +18,15 @@ import tempfile
 def time_of(case):
     """What the benchmark times: the march alone where it says so (manual time), else processor
     time. That of all threads counts those that wait, too."""
-    return case.get("cpu_ns_per_step", case["real_time"] if "/manual_time" in case["name"] else case["cpu_time"])
+    return case.get("cpu_ns_per_step", case["real_time"] if "/manual_time" in case["name"]
+                    else case["cpu_time"])
 
 
 def times(program, pattern):
     """ns a step of every case, None of those that fail."""
     with tempfile.NamedTemporaryFile() as out:
-        done = subprocess.run([program, f"--benchmark_filter={pattern}", f"--benchmark_out={out.name}",
+        done = subprocess.run([program, f"--benchmark_filter={pattern}",
+                               f"--benchmark_out={out.name}",
                                "--benchmark_out_format=json"], capture_output=True, text=True)
         try:
             cases = json.load(out)["benchmarks"]
@@ -36,7 +38,8 @@ def times(program, pattern):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("old")
     parser.add_argument("new")
     parser.add_argument("--filter", default="-small", help="cases; all but the small ones")
@@ -44,7 +47,8 @@ def main():
     options = parser.parse_args()
     found = {options.old: {}, options.new: {}}
     for round_ in range(options.rounds):
-        for program in (options.old, options.new) if round_ % 2 == 0 else (options.new, options.old):
+        for program in (options.old,
+                        options.new) if round_ % 2 == 0 else (options.new, options.old):
             for name, time in times(program, options.filter).items():
                 found[program].setdefault(name, []).append(time)
     slower = 0
@@ -59,7 +63,8 @@ def main():
                       for t in (old, new)) if options.rounds > 1 else float("nan")
         worse = ratio > 1 + max(0.02, scatter)
         slower += worse
-        print(f"{name:48} {statistics.median(old):10.3f} {statistics.median(new):10.3f}  {ratio:7.3f}  "
+        print(f"{name:48} {statistics.median(old):10.3f} {statistics.median(new):10.3f}  "
+              f"{ratio:7.3f}  "
               f"{scatter:7.3f}{'  slower' if worse else ''}")
     print(f"{slower} of {len(found[options.old])} cases are slower")
 

@@ -46,11 +46,14 @@ def study(options, name, scene, seeds, vary, files):
     _, base, speed, duration = scene
     keep = '["level", "shocks", "files"]' if files else '["level", "shocks"]'
     text = (f'base = "{SCENES / base}"\nseeds = {seeds}\nkeep = {keep}\n'
-            f'[set]\n"scene.duration" = {duration}\n"time.scheme" = "adaptive"\n"time.tolerance" = 1e-6\n'
-            f'"output.rate" = 1e4\n' + (f'"scene.speed" = {speed}\n' if files else "") + f"[vary]\n{vary}\n")
+            f'[set]\n"scene.duration" = {duration}\n"time.scheme" = "adaptive"\n"time.tolerance" = '
+            '1e-6\n'
+            f'"output.rate" = 1e4\n' + (f'"scene.speed" = {speed}\n' if files else "")
+            + f"[vary]\n{vary}\n")
     file = options.folder / f"{name}.toml"
     file.write_text(text)
-    subprocess.run([options.program, "study", file, "-o", options.folder / name, "--threads", str(options.threads), "--quiet"],
+    subprocess.run([options.program, "study", file, "-o", options.folder / name, "--threads",
+                    str(options.threads), "--quiet"],
                    check=True)
     return options.folder / name
 
@@ -61,7 +64,8 @@ def interval(values, positive):
     n = values.shape[1]
     mean = values.mean(1)
     half = scipy.stats.t.ppf(0.975, n - 1) * values.std(1, ddof=1) / math.sqrt(n)
-    return (mean * np.exp(-half / mean), mean * np.exp(half / mean)) if positive else (mean - half, mean + half)
+    return (mean * np.exp(-half / mean),
+            mean * np.exp(half / mean)) if positive else (mean - half, mean + half)
 
 
 def held(low, high, truth):
@@ -69,21 +73,25 @@ def held(low, high, truth):
 
 
 def same_as_the_program(options, folder, name, values, positive):
-    said = json.loads(subprocess.run([options.program, "analyze", folder, "--json"], check=True, capture_output=True,
+    said = json.loads(subprocess.run([options.program, "analyze", folder, "--json"], check=True,
+                                     capture_output=True,
                                      text=True).stdout)["points"][0][name]
     low, high = interval(values[None, :], positive)
     if not np.allclose([said["low"], said["high"]], [low[0], high[0]], rtol=1e-9):
-        raise SystemExit(f"coverage: {name}: the program says {said}, the formula {low[0]} to {high[0]}")
+        raise SystemExit(f"coverage: {name}: the program says {said}, the formula {low[0]} to "
+                         f"{high[0]}")
 
 
 def of_runs(options, seeds, draws):
     dice = np.random.default_rng(1)
     counts = (3, 5, 10, 20)
-    print(f"| mean of so many runs, of {seeds} | " + " | ".join(f"level, {n}" for n in counts) + " | " +
+    print(f"| mean of so many runs, of {seeds} | " + " | ".join(f"level, {n}"
+                                                                for n in counts) + " | " +
           " | ".join(f"rate, {n}" for n in counts) + " |\n|---|" + 8 * "--:|")
     least = 100
     for name, scene in RUNS.items():
-        folder = study(options, name, scene, seeds, f'speed = {{ key = "scene.speed", values = [{scene[2]}] }}', False)
+        folder = study(options, name, scene, seeds,
+                       f'speed = {{ key = "scene.speed", values = [{scene[2]}] }}', False)
         with h5py.File(folder / "results.h5") as table:
             level, rate = table["level"][...].ravel(), table["shock_rate"][...].ravel()
         same_as_the_program(options, folder, "lv", level, False)
@@ -99,22 +107,28 @@ def of_runs(options, seeds, draws):
 
 
 def of_one(options, scenes, sliders, plates):
-    print(f"\n| one run, of {sliders} sliders on {plates} plates | level, the slider's truth | level, of all "
+    print(f"\n| one run, of {sliders} sliders on {plates} plates | level, the slider's truth | "
+          "level, of all "
           "| rate, the slider's truth | rate, of all |\n|---|" + 4 * "--:|")
     for name, scene in scenes.items():
         values = ", ".join(str(101 + i) for i in range(plates))
-        folder = study(options, name, scene, sliders, f'plate = {{ key = "resonator.surface.seed", values = [{values}] }}', True)
+        folder = study(options, name, scene, sliders,
+                       f'plate = {{ key = "resonator.surface.seed", values = [{values}] }}', True)
         with h5py.File(folder / "results.h5") as table:
             files = [folder / file.decode() for file in table["file"][...].ravel()]
             shape = table["v_rms"].shape  # plates, sliders
-        said = json.loads(subprocess.run([options.program, "analyze", *files, "--json"], check=True, capture_output=True,
+        said = json.loads(subprocess.run([options.program, "analyze", *files, "--json"], check=True,
+                                         capture_output=True,
                                          text=True).stdout)["files"]
         cells = []
         for value, low_high in ((lambda f: f["lv"], lambda f: f["lv_interval"]),
-                                (lambda f: f["shocks"]["rate"], lambda f: f["shocks"]["rate_interval"])):
+                                (lambda f: f["shocks"]["rate"],
+                                 lambda f: f["shocks"]["rate_interval"])):
             found = np.array([value(f) for f in said]).reshape(shape)
-            low, high = (np.array([low_high(f)[side] for f in said], float).reshape(shape) for side in ("low", "high"))
-            others = (found.sum(0) - found) / (shape[0] - 1)  # of the plates that the run has not seen
+            low, high = (np.array([low_high(f)[side] for f in said], float).reshape(shape)
+                         for side in ("low", "high"))
+            # of the plates that the run has not seen
+            others = (found.sum(0) - found) / (shape[0] - 1)
             cells += [held(low, high, others), held(low, high, found.mean())]
         print(f"| {scene[0]} | " + " | ".join(f"{cell:.0f} %" for cell in cells) + " |")
 

@@ -56,7 +56,8 @@ def count(program, ptx, quick):
                 code = compiled[march]
                 issued, error = code.issued(times)
                 if error > MOST_ERROR:
-                    raise SystemExit(f"{name}: machine_code.py is off by {error:.0%}: it no longer fits what ptxas makes")
+                    raise SystemExit(f"{name}: machine_code.py is off by {error:.0%}: it no longer "
+                                     "fits what ptxas makes")
                 of |= {"machine_instructions": issued / of["counted"], "machine_error": error,
                        "registers": code.registers, "spilled_bytes": code.spilled_bytes}
             counts[name] = {key: value if isinstance(value, str) else float(f"{value:.6g}")
@@ -85,10 +86,13 @@ def main():
     if options.renew:
         KEPT.write_text(json.dumps(now, indent=2) + "\n")
         return 0
-    faults = list(rises(now, json.loads(KEPT.read_text()), QUICK if options.quick else QUICK + MACHINE))
+    faults = list(rises(now, json.loads(KEPT.read_text()), QUICK if options.quick
+                        else QUICK + MACHINE))
     if faults:
-        print("A GPU would have more to do:\n  " + "\n  ".join(faults) + "\nWhere this is on purpose, renew the counts "
-              f"and commit them: bench/device_counts.py --renew {options.program} {options.ptx}", file=sys.stderr)
+        print("A GPU would have more to do:\n  " + "\n  ".join(faults)
+              + "\nWhere this is on purpose, renew the counts "
+              f"and commit them: bench/device_counts.py --renew {options.program} {options.ptx}",
+              file=sys.stderr)
     return 1 if faults else 0
 
 

@@ -42,12 +42,14 @@ def compile_march(entry, wrapper, architecture, registers):
     with tempfile.TemporaryDirectory() as folder:
         words[words.index("-o") + 1] = f"{folder}/march.o"
         limit = [f"-maxrregcount={registers}"] if registers else []
-        done = subprocess.run([*words, *limit, "-Xptxas", "-v"], cwd=entry["directory"], capture_output=True, text=True)
+        done = subprocess.run([*words, *limit, "-Xptxas", "-v"], cwd=entry["directory"],
+                              capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"{entry['file']} does not compile:\n{done.stderr[-2000:]}")
     found = {}
     for part in done.stderr.split("Compiling entry function '")[1:]:
-        name = subprocess.run(["c++filt", part.split("'")[0]], capture_output=True, text=True, check=True).stdout
+        name = subprocess.run(["c++filt", part.split("'")[0]], capture_output=True, text=True,
+                              check=True).stdout
         march = re.search(r"ra2d::March<[^,]*, \(ra2d::Form\)(\d+), (\d+)>", name)
         if not march:
             continue
@@ -69,7 +71,8 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].removeprefix("usage: "))
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--architecture", default="sm_90")
-    parser.add_argument("--multiprocessors", type=int, default=132, help="of the card; an H100 or H200 has 132")
+    parser.add_argument("--multiprocessors", type=int, default=132,
+                        help="of the card; an H100 or H200 has 132")
     parser.add_argument("--registers", type=int)
     parser.add_argument("--only", default="")
     parser.add_argument("--jobs", type=int, default=1)
@@ -78,7 +81,8 @@ def main():
 
     listed = options.build / "compile_commands.json"
     if not listed.exists():
-        raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset cuda)")
+        raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset "
+                         "cuda)")
     entries = [e for e in json.loads(listed.read_text())
                if re.search(r"/generated/march_\w+\.cpp$", e["file"]) and options.only in e["file"]]
     if not entries or "-arch=" not in entries[0]["command"]:
@@ -86,22 +90,26 @@ def main():
     wrapper = options.build.resolve() / "_deps/kokkos-src/bin/nvcc_wrapper"
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         marches = {}
-        for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture, options.registers), entries):
+        for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture,
+                                                      options.registers), entries):
             marches.update(found)
 
-    print(f"| march, {options.architecture} | modes | registers | stack, bytes | spilled, bytes | shared memory, bytes "
+    print(f"| march, {options.architecture} | modes | registers | stack, bytes | spilled, bytes | "
+          "shared memory, bytes "
           f"| scenes on a multiprocessor | on {options.multiprocessors} |")
     print("|---|---|---|---|---|---|---|---|")
     rows = []
     for form, packs in sorted(marches, key=lambda march: (FORMS.index(march[0]), march[1])):
         m = marches[form, packs]
-        rows.append([form, WARP * packs, m["registers"], m["stack"], m["spilled"], m["shared"], m["scenes"],
+        rows.append([form, WARP * packs, m["registers"], m["stack"], m["spilled"], m["shared"],
+                     m["scenes"],
                      m["scenes"] * options.multiprocessors])
         print("| " + " | ".join(str(cell) for cell in rows[-1]) + " |")
     if options.output:
         with options.output.open("w", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["march", "modes", "registers", "stack", "spilled", "shared", "scenes_on_multiprocessor",
+            writer.writerow(["march", "modes", "registers", "stack", "spilled", "shared",
+                             "scenes_on_multiprocessor",
                              "scenes_on_card"])
             writer.writerows(rows)
 

@@ -24,7 +24,8 @@ FOLDER = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else "false-alarms")
 
 def run(k: int, stiffness: float) -> ra2d.Result:
     return ra2d.run("dang2012", {"slider.surface.seed": 100 + k, "resonator.surface.seed": 3000 + k,
-                                 "contact.stiffness": stiffness}, tolerance=1e-6, output=FOLDER / f"{k}-{stiffness!r}.h5",
+                                 "contact.stiffness": stiffness}, tolerance=1e-6,
+                    output=FOLDER / f"{k}-{stiffness!r}.h5",
                     show=False)
 
 
@@ -32,7 +33,8 @@ def say(what: str, found: list[ra2d.Comparison]) -> None:
     marked = sum(int((one.answers.chance < 0.05).sum()) for one in found)
     tested = sum(int(one.answers.chance.notna().sum()) for one in found)
     families = sum(bool((one.bands.chance < 0.05).any()) for one in found)
-    print(f"{what}: {marked} of {tested} quantities, {families} of {len(found)} families of third octaves", flush=True)
+    print(f"{what}: {marked} of {tested} quantities, {families} of {len(found)} families of third "
+          "octaves", flush=True)
 
 
 warnings.simplefilter("ignore", ra2d.Notice)

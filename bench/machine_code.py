@@ -23,8 +23,10 @@ BYTES = 16  # of an instruction, from compute capability 7.0
 # beside their names
 BRANCH, INDIRECT, CALL, RETURN, EXIT, MEET_OUT_OF_LINE = 0x947, 0x949, 0x944, 0x950, 0x94D, 0x348
 # the lowest 9: without the kinds of operands
-EXCHANGE, LOADS, STORES, LOCAL_LOAD, LOCAL_STORE = 0x189, {0x180, 0x181}, {0x185, 0x186}, 0x183, 0x187
-ARITHMETIC = {"mul.rn.f64": {0x28}, "add.rn.f64": {0x29}, "sub.rn.f64": {0x29}, "fma.rn.f64": {0x2B}}
+EXCHANGE, LOADS, STORES, LOCAL_LOAD, LOCAL_STORE = 0x189, {0x180,
+                                                           0x181}, {0x185, 0x186}, 0x183, 0x187
+ARITHMETIC = {"mul.rn.f64": {0x28}, "add.rn.f64": {0x29}, "sub.rn.f64": {0x29},
+              "fma.rn.f64": {0x2B}}
 ALWAYS = 7  # the predicate of an instruction that has none
 
 
@@ -65,7 +67,8 @@ class MachineCode:
         source, self.cubin = folder / f"{ptx.stem}.lines.ptx", folder / f"{ptx.stem}.cubin"
         source.write_text(with_lines(text))
         architecture = re.search(r"^\.target (\w+)", text, re.M)[1]
-        done = subprocess.run(["ptxas", f"-arch={architecture}", "-lineinfo", "-v", "-o", self.cubin, source],
+        done = subprocess.run(["ptxas", f"-arch={architecture}", "-lineinfo", "-v", "-o",
+                               self.cubin, source],
                               capture_output=True, text=True)
         if done.returncode != 0:
             raise SystemExit(f"ptxas refuses {ptx}:\n{done.stdout + done.stderr}")
@@ -86,7 +89,8 @@ class MachineCode:
         self._count_copies()
 
     def _readelf(self, *options):
-        done = subprocess.run(["readelf", *options, self.cubin], capture_output=True, text=True, check=True)
+        done = subprocess.run(["readelf", *options, self.cubin], capture_output=True,
+                              text=True, check=True)
         return done.stdout.splitlines()
 
     def _read_instructions(self):
@@ -95,14 +99,17 @@ class MachineCode:
             if section:
                 begin, size = (int(n, 16) for n in section.groups())
         # ptxas puts the routines for rare divisions and roots behind the kernel
-        end = min([size, *(int(row.split()[1], 16) for row in self._readelf("-sW") if "$__internal" in row)])
+        end = min([size,
+                   *(int(row.split()[1], 16) for row in self._readelf("-sW")
+                     if "$__internal" in row)])
         code = self.cubin.read_bytes()[begin:begin + end]
         self.words = list(struct.iter_unpack("<QQ", code[:len(code) // BYTES * BYTES]))
         rows = []
         for row in self._readelf("--debug-dump=decodedline"):
             place = re.match(r"\S+\s+(\d+|-)\s+(0x[0-9a-f]+|0)\b", row)
             if place:
-                rows.append((int(place[2], 16) // BYTES, None if place[1] == "-" else int(place[1])))
+                rows.append((int(place[2], 16) // BYTES, None if place[1] == "-"
+                             else int(place[1])))
         self.line = [None] * len(self.words)
         for (first, line), (last, _) in zip(rows, [*rows[1:], (len(self.words), None)]):
             for at in range(first, min(last, len(self.words))):
@@ -146,7 +153,8 @@ class MachineCode:
                 if any(self._code(at) in (CALL, MEET_OUT_OF_LINE) for at in block)}
         grown = True
         while grown:  # and what only they lead to
-            more = {k for k, from_ in before.items() if k not in rare and all(other in rare for other in from_)}
+            more = {k for k, from_ in before.items() if k not in rare
+                    and all(other in rare for other in from_)}
             rare |= more
             grown = bool(more)
         self.blocks = [block for k, block in enumerate(blocks) if k not in rare]
@@ -162,7 +170,8 @@ class MachineCode:
 
     def _runs(self, line, times):
         """How often an instruction of this line is issued, as far as the line says."""
-        return times.get(line, 0) / (self.copies.get(line) or self.usual_copies.get(self.ptx_block.get(line), 1))
+        return times.get(line, 0) / (self.copies.get(line)
+                                     or self.usual_copies.get(self.ptx_block.get(line), 1))
 
     def issued(self, times):
         """The instructions issued where line k of the PTX was run times[k] times; and the error of
@@ -178,6 +187,7 @@ class MachineCode:
         def times_of(begin):
             return sum(runs for line, runs in times.items() if self.opcodes[line].startswith(begin)
                        and ".local" not in self.opcodes[line])
-        pairs = [(times_of("shfl."), found[EXCHANGE]), (times_of("ld."), sum(found[code] for code in LOADS)),
+        pairs = [(times_of("shfl."), found[EXCHANGE]),
+                 (times_of("ld."), sum(found[code] for code in LOADS)),
                  (times_of("st."), sum(found[code] for code in STORES))]
         return total, max((abs(counted / true - 1) for true, counted in pairs if true), default=0)

@@ -52,7 +52,8 @@ SPEED = 0.1  # m/s, of that scene
 TOLERANCE = 1e-6
 
 COLUMNS = {
-    "convergence": ["stiffness", "faces", "spacing", "seed", "duration", "level", "rate", "median_duration",
+    "convergence": ["stiffness", "faces", "spacing", "seed", "duration", "level", "rate",
+                    "median_duration",
                     "mean_duration", "median_peak", "contact_share", "seconds"],
     "tone": ["faces", "spacing", "seed", "duration", "frequency", "line", "around"],
     "parts": ["resonator", "slider", "seed", "duration", "frequency", "line", "around"],
@@ -76,14 +77,17 @@ class Run:
             child.returncode = os.waitstatus_to_exitcode(status)
             if child.returncode:
                 said.seek(0)
-                raise RuntimeError(f"{' '.join(map(str, words))} ended with {child.returncode}:\n{said.read().decode()}")
+                raise RuntimeError(
+                    f"{' '.join(map(str, words))} ended with "
+                    f"{child.returncode}:\n{said.read().decode()}")
         self.seconds = used.ru_utime
 
     def numbers(self):
         with h5py.File(self.file) as file:
             summary = {name: float(value[()]) for name, value in file["summary"].items()}
             mean = float(file["shocks/duration"][:].mean())
-        return {"level": summary["lv"], "rate": summary["shock_rate"], "median_duration": summary["shock_duration_median"],
+        return {"level": summary["lv"], "rate": summary["shock_rate"],
+                "median_duration": summary["shock_duration_median"],
                 "mean_duration": mean, "median_peak": summary["peak_force_median"],
                 "contact_share": summary["contact_share"], "seconds": self.seconds}
 
@@ -109,7 +113,9 @@ def scheme_of(options, faces):
 
 
 def spacings_of(options, faces):
-    return [s * 1e-6 for s in (options.spacings or ([32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
+    return [s * 1e-6
+            for s in (options.spacings
+                      or ([32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
 
 
 def convergence(options):
@@ -121,7 +127,8 @@ def convergence(options):
 
                     def run(folder, seed=seed, stiffness=stiffness, faces=faces, spacing=spacing):
                         return [Run(options, folder, seed, scheme_of(options, faces), **{
-                            "contact.stiffness": stiffness, "scene.faces": faces, "scene.spacing": spacing}).numbers()]
+                            "contact.stiffness": stiffness, "scene.faces": faces,
+                            "scene.spacing": spacing}).numbers()]
                     yield key, run
 
 
@@ -150,10 +157,12 @@ def parts(options):
                 key = {"resonator": resonator, "slider": slider, "seed": seed}
 
                 def run(folder, seed=seed, resonator=resonator, slider=slider):
-                    keys = {"scene.spacing": 1e-6, "contact.stiffness": 8e15 if slider == "nodes" else 1e15}
+                    keys = {"scene.spacing": 1e-6, "contact.stiffness": 8e15
+                            if slider == "nodes" else 1e15}
                     for body, face in (("resonator", resonator), ("slider", slider)):
                         path = write_face(options, folder, body, face, seed)
-                        keys[f"{body}.surface"] = f'{{ kind = "file", path = "{path}", x_unit = "m", z_unit = "m" }}'
+                        keys[f"{body}.surface"] = (
+                            f'{{ kind = "file", path = "{path}", x_unit = "m", z_unit = "m" }}')
                     made = Run(options, folder, seed, scheme_of(options, "linear"), **keys)
                     line, around = made.tone(12.5e3)
                     return [{"frequency": 12.5e3, "line": line, "around": around}]
@@ -164,10 +173,12 @@ def write_face(options, folder, body, face, seed):
     """The heights of a body at every 1 um, from those every 8 um."""
     coarse, fine = pathlib.Path(folder) / f"{body}-coarse.csv", pathlib.Path(folder) / f"{body}.txt"
     number = 2 * seed if body == "resonator" else 2 * seed - 1
-    words = [options.program, "surface", "generate", "--length", "0.3" if body == "resonator" else "0.02", "--spacing", "8e-6",
+    words = [options.program, "surface", "generate", "--length", "0.3" if body == "resonator"
+             else "0.02", "--spacing", "8e-6",
              "--rq", "8e-6", "--rsm", "1.55e-3", "--seed", str(number), "-o", str(coarse)]
     subprocess.run(words, check=True, capture_output=True)
-    x, z = numpy.loadtxt((line for line in open(coarse) if line[0] in "-.0123456789"), delimiter=",", unpack=True)
+    x, z = numpy.loadtxt((line for line in open(coarse) if line[0] in "-.0123456789"),
+                         delimiter=",", unpack=True)
     between = numpy.linspace(x[0], x[-1], 8 * (len(x) - 1) + 1)
     if face == "chords":
         heights = numpy.interp(between, x, z)
@@ -188,7 +199,8 @@ def run_all(options, rows):
     columns = COLUMNS[options.case]
     todo = [(key, run) for key, run in CASES[options.case](options)
             if not any(same(row, key | {"duration": options.duration}) for row in rows)]
-    with open(options.out, "a", newline="") as file, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+    with open(options.out, "a",
+              newline="") as file, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         table = csv.DictWriter(file, columns)
         if file.tell() == 0:
             table.writeheader()
@@ -209,17 +221,22 @@ def half_width(values):
     """Of a mean's 95 % interval."""
     if len(values) < 2:
         return math.nan
-    return scipy.stats.t.ppf(0.975, len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
+    return scipy.stats.t.ppf(0.975,
+                             len(values) - 1) * statistics.stdev(values) / math.sqrt(len(values))
 
 
 def summarize_convergence(rows):
     """Differences to the finest smooth faces, over pairs of the same seed."""
     groups = {}
     for row in rows:
-        groups.setdefault((float(row["stiffness"]), row["faces"], float(row["spacing"])), {})[row["seed"]] = row
-    print("| kappa (Pa/m) | faces | spacing (um) | seeds | level (dB) | rate (1/s) | to the limit (%) | median duration (us) | to the limit (%) | median peak (N) | to the limit (%) | s of processor |")
+        groups.setdefault((float(row["stiffness"]), row["faces"], float(row["spacing"])),
+                          {})[row["seed"]] = row
+    print("| kappa (Pa/m) | faces | spacing (um) | seeds | level (dB) | rate (1/s) | to the limit "
+          "(%) | median duration (us) | to the limit (%) | median peak (N) | to the limit (%) | s "
+          "of processor |")
     print("|" + "---|" * 12)
-    for (stiffness, faces, spacing), found in sorted(groups.items(), key=lambda g: (g[0][0], g[0][1], -g[0][2])):
+    for (stiffness, faces, spacing), found in sorted(groups.items(),
+                                                     key=lambda g: (g[0][0], g[0][1], -g[0][2])):
         limits = [s for (k, f, s) in groups if k == stiffness and f == "smooth"]
         limit = groups[stiffness, "smooth", min(limits)] if limits else {}
 
@@ -234,8 +251,10 @@ def summarize_convergence(rows):
                 return ""
             mean, half = statistics.mean(logs), half_width(logs)
             return f"{100 * math.expm1(mean):+.1f} ± {100 * math.exp(mean) * half:.1f}"
-        print(f"| {stiffness:.0e} | {faces} | {1e6 * spacing:g} | {len(found)} | {mean('level', digits=5)} | {mean('rate')} | {off('rate')} | "
-              f"{mean('median_duration', 1e6, 3)} | {off('median_duration')} | {mean('median_peak', 1, 3)} | {off('median_peak')} | {mean('seconds', 1, 3)} |")
+        print(f"| {stiffness:.0e} | {faces} | {1e6 * spacing:g} | {len(found)} | "
+              f"{mean('level', digits=5)} | {mean('rate')} | {off('rate')} | "
+              f"{mean('median_duration', 1e6, 3)} | {off('median_duration')} | "
+              f"{mean('median_peak', 1, 3)} | {off('median_peak')} | {mean('seconds', 1, 3)} |")
 
 
 FLOOR = 0.1  # %, the least difference that the chart can show
@@ -259,27 +278,34 @@ def draw_convergence(rows, file):
 
     groups = {}
     for row in rows:
-        groups.setdefault((float(row["stiffness"]), row["faces"], float(row["spacing"])), {})[row["seed"]] = row
+        groups.setdefault((float(row["stiffness"]), row["faces"], float(row["spacing"])),
+                          {})[row["seed"]] = row
     stiffnesses = sorted({k for k, _, _ in groups})
-    figure, axes = plt.subplots(1, len(stiffnesses), figsize=(3.6 * len(stiffnesses), 3.4), sharey=True, squeeze=False,
+    figure, axes = plt.subplots(1, len(stiffnesses), figsize=(3.6 * len(stiffnesses), 3.4),
+                                sharey=True, squeeze=False,
                                 layout="constrained")
     for ax, stiffness in zip(axes[0], stiffnesses):
-        limit = groups[stiffness, "smooth", min(s for k, f, s in groups if k == stiffness and f == "smooth")]
+        limit = groups[stiffness, "smooth",
+                       min(s for k, f, s in groups if k == stiffness and f == "smooth")]
         for faces, colour, marker in (("linear", "tab:orange", "s"), ("smooth", "tab:blue", "o")):
             points = []
             for (k, f, spacing), found in sorted(groups.items()):
                 if (k, f) != (stiffness, faces) or found is limit:
                     continue
                 off, half = rate_error(found, limit)
-                cost = statistics.mean(float(r["seconds"]) / float(r["duration"]) for r in found.values())
+                cost = statistics.mean(float(r["seconds"]) / float(r["duration"])
+                                       for r in found.values())
                 points.append((cost, off, half, 1e6 * spacing))
             for cost, off, half, spacing in points:
                 low = max(off - half, FLOOR)
-                ax.plot([cost, cost], [low, max(off + half, FLOOR)], color=colour, alpha=0.5, lw=1.5)
+                ax.plot([cost, cost], [low, max(off + half, FLOOR)], color=colour,
+                        alpha=0.5, lw=1.5)
                 below = off < FLOOR
-                ax.plot(cost, max(off, FLOOR), marker="v" if below else marker, color=colour, ls="none",
+                ax.plot(cost, max(off, FLOOR), marker="v" if below else marker,
+                        color=colour, ls="none",
                         label=f"{faces} faces" if spacing == points[-1][3] else None)
-                ax.annotate(f"{spacing:g}", (cost, max(off, FLOOR)), xytext=(5, 4), textcoords="offset points", fontsize=8)
+                ax.annotate(f"{spacing:g}", (cost, max(off, FLOOR)), xytext=(5, 4),
+                            textcoords="offset points", fontsize=8)
         ax.axhline(2, color="0.6", lw=0.8, ls="--")
         ax.set(xscale="log", yscale="log", title=f"{stiffness:.0e} Pa/m".replace("e+", "e"),
                xlabel="processor time of a simulated second (s)")
@@ -317,9 +343,12 @@ def summarize_tone(rows, names):
         """Smooth faces whose mesh has no tone there."""
         if "spacing" in names:
             return [found for (faces, spacing, f), found in groups.items()
-                    if f == frequency and faces == "smooth" and abs(f * float(spacing) - SPEED) > 1e-9]
+                    if f == frequency and faces == "smooth"
+                    and abs(f * float(spacing) - SPEED) > 1e-9]
         return [found for group, found in groups.items() if group[:2] == ("spline", "spline")]
-    print("| " + " | ".join(names) + " | frequency (Hz) | seeds | rise (dB) | above the control (dB) |\n|" + "---|" * (len(names) + 4))
+    print("| " + " | ".join(names)
+          + " | frequency (Hz) | seeds | rise (dB) | above the control (dB) |\n|"
+          + "---|" * (len(names) + 4))
     for group, found in sorted(groups.items()):
         if "spacing" in names and abs(group[-1] * float(group[1]) - SPEED) > 1e-9:
             continue
@@ -331,14 +360,16 @@ def summarize_tone(rows, names):
             more, width = jackknife(lambda chosen: level([found[s] for s in chosen])
                                     - level([c[s] for c in others for s in chosen]), seeds)
             above = f"{more:+.2f} ± {width:.2f}"
-        print("| " + " | ".join(group[:-1]) + f" | {group[-1]:g} | {len(seeds)} | {value:+.2f} ± {half:.2f} | {above} |")
+        print("| " + " | ".join(group[:-1])
+              + f" | {group[-1]:g} | {len(seeds)} | {value:+.2f} ± {half:.2f} | {above} |")
 
 
 CASES = {"convergence": convergence, "tone": tone, "parts": parts}
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("case", choices=CASES)
     parser.add_argument("program")
     parser.add_argument("out", nargs="?")
@@ -346,19 +377,23 @@ def main():
     parser.add_argument("--duration", type=float, default=1.0)
     parser.add_argument("--stiffness", type=float, nargs="+", default=[1e15, 1e16, 1e17])
     parser.add_argument("--spacings", type=float, nargs="+", metavar="UM")
-    parser.add_argument("--fixed", type=float, metavar="STEP", help="smooth faces by `exact` with this step [s], not adaptive")
+    parser.add_argument("--fixed", type=float, metavar="STEP",
+                        help="smooth faces by `exact` with this step [s], not adaptive")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--summary", action="store_true")
     parser.add_argument("--chart", metavar="FILE", help="convergence: draws it, too")
     options = parser.parse_args()
-    options.out = pathlib.Path(options.out or pathlib.Path(__file__).parent / f"smooth_faces_{options.case}.csv")
+    options.out = pathlib.Path(options.out
+                               or pathlib.Path(__file__).parent
+                               / f"smooth_faces_{options.case}.csv")
     options.program = str(pathlib.Path(options.program).resolve())
 
     def rows():
         return list(csv.DictReader(open(options.out))) if options.out.exists() else []
     if not options.summary:
         run_all(options, rows())
-    found = [row for row in rows() if float(row["duration"]) == options.duration and int(row["seed"]) <= options.seeds]
+    found = [row for row in rows() if float(row["duration"]) == options.duration
+             and int(row["seed"]) <= options.seeds]
     if not found:
         sys.exit(f"no rows of {options.duration:g} s in {options.out}")
     if options.case == "convergence":
@@ -366,7 +401,8 @@ def main():
         if options.chart:
             draw_convergence(found, options.chart)
     else:
-        summarize_tone(found, ["faces", "spacing"] if options.case == "tone" else ["resonator", "slider"])
+        summarize_tone(found, ["faces", "spacing"] if options.case == "tone"
+                       else ["resonator", "slider"])
 
 
 main()

@@ -74,7 +74,8 @@ def main():
     parser.add_argument("--runs", type=int, nargs="+", default=[10, 1000, 10000])
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--most", type=float, default=float("inf"))
-    parser.add_argument("--folder", help="where the studies stand while they run [the system's own for such]")
+    parser.add_argument("--folder",
+                        help="where the studies stand while they run [the system's own for such]")
     options = parser.parse_args()
     program = os.path.abspath(options.program)
     rows = []
@@ -88,7 +89,8 @@ def main():
             first, again = measured(words, folder), measured(words, folder)
             ledger = (folder / "out/ledger/all.log").stat().st_size
         rows.append((runs, first[0], again[0], ledger))
-        print(f"{runs:8} {first[0] * 1e-6:7.1f} MB {first[1]:7.2f} s {again[0] * 1e-6:9.1f} MB {again[1]:7.2f} s "
+        print(f"{runs:8} {first[0] * 1e-6:7.1f} MB {first[1]:7.2f} s {again[0] * 1e-6:9.1f} MB "
+              f"{again[1]:7.2f} s "
               f"{ledger:10} B")
     (few, *least), (many, *most) = rows[0], rows[-1]
     if many > few:

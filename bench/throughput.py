@@ -22,7 +22,8 @@ METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 n
 
 def read(file):
     """What the file says of itself, and {(method, paper): {scenes: {counter: median}}}."""
-    values = collections.defaultdict(lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
+    values = collections.defaultdict(
+        lambda: collections.defaultdict(lambda: collections.defaultdict(list)))
     try:
         content = json.loads(pathlib.Path(file).read_text())
         content["context"]
@@ -36,7 +37,8 @@ def read(file):
         sys.exit(f"{file}: not what --benchmark_out writes: {fault!r}")
     if not values:
         sys.exit(f"{file}: holds no case of bench_throughput")
-    return content["context"], {scene: {count: {name: statistics.median(all) for name, all in counters.items()}
+    return content["context"], {scene: {count: {name: statistics.median(all)
+                                                for name, all in counters.items()}
                                         for count, counters in sorted(counts.items())}
                                 for scene, counts in values.items()}
 
@@ -52,7 +54,8 @@ def number(value):
 def table(cases, one, all_cores):
     scenes = list(cases)
     counts = sorted({count for each in cases.values() for count in each})
-    lines = ["| scenes | " + " | ".join(f"{METHODS.get(method, method)}; {paper}" for method, paper in scenes) + " |",
+    lines = ["| scenes | " + " | ".join(f"{METHODS.get(method, method)}; {paper}"
+                                        for method, paper in scenes) + " |",
              "|" + "---|" * (len(scenes) + 1)]
 
     def over_one(scene, value):
@@ -62,14 +65,19 @@ def table(cases, one, all_cores):
         lines.append(f"| {title} | " + " | ".join(values) + " |")
 
     for count in counts:
-        row(count, [number(cases[scene][count]["simulated"]) + over_one(scene, cases[scene][count]["simulated"])
-                    if count in cases[scene] else "" for scene in scenes])
+        row(count,
+            [number(cases[scene][count]["simulated"]) + over_one(scene,
+                                                                 cases[scene][count]["simulated"])
+             if count in cases[scene] else "" for scene in scenes])
     row("the best, making scenes ready included",
-        [number(best(cases[scene], "whole")) + over_one(scene, best(cases[scene], "whole")) for scene in scenes])
-    row("shocks in a second, at the best", [number(best(cases[scene], "shocks")) for scene in scenes])
+        [number(best(cases[scene], "whole")) + over_one(scene, best(cases[scene], "whole"))
+         for scene in scenes])
+    row("shocks in a second, at the best",
+        [number(best(cases[scene], "shocks")) for scene in scenes])
     for title, other in (("one core", one), ("all cores", all_cores)):
         if other:
-            row(title, [number(best(other[scene])) + over_one(scene, best(other[scene])) if scene in other else ""
+            row(title, [number(best(other[scene])) + over_one(scene, best(other[scene]))
+                        if scene in other else ""
                         for scene in scenes])
     return "\n".join(lines)
 
@@ -79,7 +87,8 @@ def draw(picture, cases, one, all_cores, title):
     try:
         import matplotlib
     except ImportError:
-        sys.exit(f"{picture}: this Python has no matplotlib to draw it with (Debian: /usr/bin/python3, python3-matplotlib)")
+        sys.exit(f"{picture}: this Python has no matplotlib to draw it with (Debian: "
+                 "/usr/bin/python3, python3-matplotlib)")
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     from matplotlib.ticker import FuncFormatter
@@ -91,7 +100,8 @@ def draw(picture, cases, one, all_cores, title):
             if scene not in cases:
                 continue
             counts = cases[scene]
-            axis.loglog(list(counts), [each["simulated"] for each in counts.values()], "o-", color=colour,
+            axis.loglog(list(counts), [each["simulated"] for each in counts.values()], "o-",
+                        color=colour,
                         label=f"slider {paper}")
             for other, line in ((one, ":"), (all_cores, "--")):
                 if scene in other:
@@ -103,7 +113,8 @@ def draw(picture, cases, one, all_cores, title):
             scale.set_minor_formatter(FuncFormatter(lambda value, _: ""))
         axis.grid(alpha=0.3)
     handles, labels = axes[0].get_legend_handles_labels()
-    handles += [plt.Line2D([], [], color="grey", linestyle=line) for line, other in ((":", one), ("--", all_cores)) if other]
+    handles += [plt.Line2D([], [], color="grey", linestyle=line)
+                for line, other in ((":", one), ("--", all_cores)) if other]
     labels += [words for words, other in (("one core", one), ("all cores", all_cores)) if other]
     axes[0].legend(handles, labels, fontsize=8)
     figure.suptitle(style.literal(f"Scenes by the thousand: {title}"))
@@ -123,7 +134,8 @@ def main():
     one = read(options.files[1])[1] if len(options.files) > 1 else {}
     all_cores = read(options.files[2])[1] if len(options.files) > 2 else {}
     where = context.get("device") or f"{context.get('threads')} threads of a CPU"
-    print(f"Seconds simulated in a second, {where}, {context.get('ra2d')}" + ("; in brackets, over one core" if one else "") + ":\n")
+    print(f"Seconds simulated in a second, {where}, {context.get('ra2d')}"
+          + ("; in brackets, over one core" if one else "") + ":\n")
     print(table(cases, one, all_cores))
     if options.picture:
         draw(options.picture, cases, one, all_cores, where)

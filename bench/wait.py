@@ -63,7 +63,8 @@ def main():
             wall, march, back, used = (1e3 * statistics.median(column) for column in zip(*found))
             rest = 1e3 * statistics.median(w - m - b for w, m, b, _ in found)
             least = 1e3 * min(w for w, *_ in found)
-            print(f"{scene:<17}{wall:8.1f}{least:8.1f}{march:8.1f}{back:8.1f}{rest:8.1f}{used:11.1f}  {program}")
+            print(f"{scene:<17}{wall:8.1f}{least:8.1f}{march:8.1f}{back:8.1f}{rest:8.1f}"
+                  f"{used:11.1f}  {program}")
 
 
 if __name__ == "__main__":

@@ -149,7 +149,8 @@ def check_slow(case, found):
         "the same, of the largest block less of the smallest, upper end of the interval",
         change + half,
         0,
-        "extreme values: the more summits, the less the highest varies. The seeds: Student's t, 95 %",
+        "extreme values: the more summits, the less the highest varies. The seeds: Student's t, 95 "
+        "%",
     )
 
 

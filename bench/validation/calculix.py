@@ -11,9 +11,12 @@ import time
 def requested(description, meshes):
     """The options of a script that writes the input of a mesh, or runs CalculiX on some."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--input", nargs=2, metavar=("MESH", "FILE"), help="writes the input of a mesh")
-    parser.add_argument("--run", nargs=2, metavar=("CCX", "FOLDER"), help="runs CalculiX and keeps what it finds")
-    parser.add_argument("meshes", nargs="*", default=meshes, help=f"of --run: {', '.join(meshes)}; all without")
+    parser.add_argument("--input", nargs=2, metavar=("MESH", "FILE"),
+                        help="writes the input of a mesh")
+    parser.add_argument("--run", nargs=2, metavar=("CCX", "FOLDER"),
+                        help="runs CalculiX and keeps what it finds")
+    parser.add_argument("meshes", nargs="*", default=meshes,
+                        help=f"of --run: {', '.join(meshes)}; all without")
     return parser.parse_args()
 
 
@@ -29,10 +32,12 @@ def solve(ccx, text):
         (scratch / "model.inp").write_text(text)
         begun = time.monotonic()
         with open(scratch / "log", "w") as log:
-            process = subprocess.Popen([ccx, "model"], cwd=scratch, stdout=log, env={**os.environ, "OMP_NUM_THREADS": "1"})
+            process = subprocess.Popen([ccx, "model"], cwd=scratch, stdout=log,
+                                       env={**os.environ, "OMP_NUM_THREADS": "1"})
             _, status, used = os.wait4(process.pid, 0)
         if status != 0:
-            raise SystemExit(f"{ccx} did not come to the end:\n{(scratch / 'log').read_text()[-2000:]}")
+            raise SystemExit(f"{ccx} did not come to the "
+                             f"end:\n{(scratch / 'log').read_text()[-2000:]}")
         return (scratch / "model.dat").read_text(), used.ru_utime, time.monotonic() - begun
 
 

@@ -56,7 +56,8 @@ def to_toml(value):
 
 def scene_text(scene):
     """A scene, {section: {key: value}}, as TOML."""
-    return "\n".join(f"[{section}]\n" + "".join(f"{key} = {to_toml(value)}\n" for key, value in keys.items())
+    return "\n".join(f"[{section}]\n" + "".join(f"{key} = {to_toml(value)}\n"
+                                                for key, value in keys.items())
                      for section, keys in scene.items())
 
 
@@ -71,7 +72,8 @@ class Case:
         """What a program prints on stdout; ends the case where it fails."""
         done = subprocess.run([program, *map(str, words)], text=True, capture_output=True)
         if done.returncode:
-            sys.exit(f"{self.name}: {program} {' '.join(map(str, words))} ended with {done.returncode}:\n{done.stderr}")
+            sys.exit(f"{self.name}: {program} {' '.join(map(str, words))} ended with "
+                     f"{done.returncode}:\n{done.stderr}")
         return done.stdout
 
     def scene_file(self, scene):
@@ -86,7 +88,8 @@ class Case:
         """Runs a scene and returns the datasets asked for, each an array; `sets`:
         section.key=value."""
         result = self.scratch / "result.h5"
-        self.call(self.program, "run", self.scene_file(scene), "-o", result, "--fresh", "--force", "--quiet",
+        self.call(self.program, "run", self.scene_file(scene), "-o", result, "--fresh",
+                  "--force", "--quiet",
                   *(word for each in sets for word in ("--set", each)))
         with h5py.File(result) as file:
             return [file[name][()] for name in datasets]
@@ -95,7 +98,8 @@ class Case:
         """A number and its bound. `why`: where the bound comes from. Of several of one name the
         nearest to its bound counts, or the first beyond."""
         value, most, previous = float(value), float(most), self.checks.get(what)
-        if previous is None or previous[0] <= previous[1] and not value / most <= previous[0] / previous[1]:
+        if previous is None or previous[0] <= previous[1] and not value / most <= previous[
+            0] / previous[1]:
             self.checks[what] = (value, most, why)
 
     def text(self, name, value, digits=2):
@@ -117,7 +121,8 @@ class Case:
     def write(self, seconds):
         self.folder.mkdir(parents=True, exist_ok=True)
         self.texts["checks"] = markdown(("what", "found", "bound", "where the bound comes from"),
-                                        [(what, shown(value), shown(most), why) for what, (value, most, why) in self.checks.items()])
+                                        [(what, shown(value), shown(most), why)
+                                         for what, (value, most, why) in self.checks.items()])
         self.text("seconds", seconds, 1)
         with open(self.folder / f"{self.name}.json", "w") as file:
             json.dump(self.texts, file, indent=1)
@@ -142,7 +147,8 @@ def pictures():
 def main(name, compare):
     parser = argparse.ArgumentParser(description=f"The case {name} of docs/validation.md.")
     parser.add_argument("program", help="ra2d")
-    parser.add_argument("--short", action="store_true", help="a part of it, for the tests; writes nothing")
+    parser.add_argument("--short", action="store_true",
+                        help="a part of it, for the tests; writes nothing")
     parser.add_argument("--peers", help="ra2d_peers; without it what needs it is left out")
     parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "docs" / "validation")
     options = parser.parse_args()
@@ -157,4 +163,5 @@ def main(name, compare):
     if broken:
         sys.exit("\n".join(f"{name}: {line}" for line in broken))
     if not case.short:
-        case.write(sum(os.times()[:4]))  # processor time, with that of the programs: others may use the machine
+        # processor time, with that of the programs: others may use the machine
+        case.write(sum(os.times()[:4]))

@@ -30,7 +30,8 @@ def amplitudes(modes, speed, time, force=FORCE):
     scale = p / np.where(resonant, 1, omega**2 - drive**2)
     u = np.where(resonant, p / (2 * omega**2) * (np.sin(omega * t) - omega * t * np.cos(omega * t)),
                  scale * (np.sin(drive * t) - drive / omega * np.sin(omega * t)))
-    v = np.where(resonant, p / 2 * t * np.sin(omega * t), scale * drive * (np.cos(drive * t) - np.cos(omega * t)))
+    v = np.where(resonant, p / 2 * t * np.sin(omega * t),
+                 scale * drive * (np.cos(drive * t) - np.cos(omega * t)))
     free = time[None, :] - t  # what it has vibrated freely
     return u * np.cos(omega * free) + v / omega * np.sin(omega * free)
 
@@ -43,8 +44,10 @@ def middle(modes, speed, time, force=FORCE):
 def scene(speed, scheme, setting):
     duration = CROSSINGS * LENGTH / speed
     return {
-        "scene": {"duration": duration, "speed": 0.0, "start": 0.14, "gap": 0.01, "spacing": 1e-3, "initial": "rest"},
-        "resonator": {**BEAM, "modes": MODES, "moving_force": [{"force": FORCE, "speed": speed, "start": 0.0}]},
+        "scene": {"duration": duration, "speed": 0.0, "start": 0.14, "gap": 0.01, "spacing": 1e-3,
+                  "initial": "rest"},
+        "resonator": {**BEAM, "modes": MODES,
+                      "moving_force": [{"force": FORCE, "speed": speed, "start": 0.0}]},
         "slider": {"support": "rigid", "length": 0.02, "width": 0.02},
         "contact": {"law": "penalty", "stiffness": 1e15},
         "time": {"scheme": scheme, ("tolerance" if scheme == "adaptive" else "step"): setting},
@@ -60,7 +63,8 @@ def bound(speed, scheme, setting, time):
     omega = omegas(MODES)
     largest = np.abs(amplitudes(MODES, speed, time)).max(axis=1)
     steps, turn = time[-1] / setting, omega * setting
-    off = {"backward-euler": turn + steps * turn**2 / 2, "rk4": turn**2 + steps * turn**5 / 120}[scheme]
+    off = {"backward-euler": turn + steps * turn**2 / 2,
+           "rk4": turn**2 + steps * turn**5 / 120}[scheme]
     return np.abs(shapes(MODES, LENGTH / 2)) @ (2 * largest * off)
 
 
@@ -69,7 +73,8 @@ def compare(case):
     settings = [("adaptive", 1e-10), ("backward-euler", 1e-7)]
     if not case.short:
         settings += [("backward-euler", 1e-8), ("rk4", 1e-6)]
-    names = [f"`{scheme}`, {common.shown(x, 1)}{'' if scheme == 'adaptive' else ' s'}" for scheme, x in settings]
+    names = [f"`{scheme}`, {common.shown(x, 1)}{'' if scheme == 'adaptive' else ' s'}"
+             for scheme, x in settings]
     rows, curves = [], {}
     for ratio in ratios:
         speed = ratio * CRITICAL_SPEED
@@ -81,7 +86,8 @@ def compare(case):
             curves[ratio, scheme] = time, probe[:, 0], exact
             found.append(np.abs(probe[:, 0] - exact).max() / largest)
             if scheme == "adaptive":
-                case.check(name, found[-1], 10 * setting + 1e-12, "ten tolerances, for some fifty steps")
+                case.check(name, found[-1], 10 * setting + 1e-12,
+                           "ten tolerances, for some fifty steps")
             else:
                 case.check(name, found[-1], bound(speed, scheme, setting, time) / largest,
                            "the scheme's damping and delay a step, summed over steps and modes")
@@ -89,9 +95,13 @@ def compare(case):
         rows.append((ratio, largest, *found, np.abs(exact - whole).max() / np.abs(whole).max()))
     if case.short:
         return
-    case.table(("speed over critical", "largest deflection, m", *names, "19 modes instead of 400"), rows)
-    case.text("table", common.markdown(("speed / critical", "largest deflection, mm", *names, "19 modes instead of 400"),
-                                       [(row[0], common.shown(1e3 * row[1], 3), *map(common.shown, row[2:])) for row in rows]))
+    case.table(("speed over critical", "largest deflection, m", *names, "19 modes instead of 400"),
+               rows)
+    case.text("table",
+              common.markdown(("speed / critical", "largest deflection, mm", *names,
+                               "19 modes instead of 400"),
+                              [(row[0], common.shown(1e3 * row[1], 3), *map(common.shown, row[2:]))
+                               for row in rows]))
     case.text("critical", CRITICAL_SPEED, 3)
     case.text("adaptive", max(row[2] for row in rows))
     case.text("euler", max(row[4] for row in rows))
@@ -106,11 +116,14 @@ def compare(case):
         upper.plot(place[::8], 1e3 * probe[::8], "o", color=colours[ratio], ms=3, mfc="none")
         for scheme, line in (("backward-euler", "-"), ("adaptive", ":")):
             time, probe, exact = curves[ratio, scheme]
-            lower.semilogy(time[1:] * ratio * CRITICAL_SPEED / LENGTH, (np.abs(probe - exact) / np.abs(exact).max())[1:],
+            lower.semilogy(time[1:] * ratio * CRITICAL_SPEED / LENGTH,
+                           (np.abs(probe - exact) / np.abs(exact).max())[1:],
                            color=colours[ratio], lw=1, ls=line)
-    upper.set(title="Deflection of the middle: closed form (lines), adaptive (circles)", ylabel="mm")
+    upper.set(title="Deflection of the middle: closed form (lines), adaptive (circles)",
+              ylabel="mm")
     upper.legend(loc="upper left")
-    lower.set(title="Difference over the largest deflection: backward Euler, 10 ns (lines), adaptive, 1e-10 (dots)",
+    lower.set(title="Difference over the largest deflection: backward Euler, 10 ns (lines), "
+                    "adaptive, 1e-10 (dots)",
               xlabel="way of the force over the beam's length", ylim=(1e-16, 1))
     case.figure(figure)
 

@@ -55,13 +55,19 @@ class Crossing:
     def scene(self, kappa, tolerance=1e-11, samples=400):
         thickness = 0.02
         return {
-            "scene": {"duration": self.duration, "speed": self.speed, "start": 0.0, "spacing": self.spacing,
+            "scene": {"duration": self.duration, "speed": self.speed, "start": 0.0,
+                      "spacing": self.spacing,
                       "gap": "touching", "initial": "static"},
             "resonator": {**BEAM, "modes": self.modes},
-            "slider": {"support": "free", "length": 2 * self.spacing, "thickness": thickness, "width": WIDTH,
-                       "young": 210e9, "density": self.mass / (2 * self.spacing * thickness * WIDTH), "damping": 0.0,
+            "slider": {"support": "free", "length": 2 * self.spacing, "thickness": thickness,
+                       "width": WIDTH,
+                       "young": 210e9,
+                       "density": self.mass / (2 * self.spacing * thickness * WIDTH),
+                       "damping": 0.0,
                        "modes": 0, "load": self.weight,
-                       "surface": {"kind": "peaks", "peaks": [{"at": self.spacing, "height": 1e-4, "half_width": self.spacing}]}},
+                       "surface": {"kind": "peaks",
+                                   "peaks": [{"at": self.spacing, "height": 1e-4,
+                                              "half_width": self.spacing}]}},
             "contact": {"law": "penalty", "stiffness": kappa},
             "time": {"scheme": "adaptive", "tolerance": tolerance},
             "output": {"rate": samples / self.duration, "probes": [LENGTH / 2]},
@@ -80,7 +86,8 @@ class Crossing:
 
     def static(self):
         """The modes under the weight where the mass starts."""
-        return -shapes(self.modes, self.spacing) * self.weight / (MASS_PER_LENGTH * omegas(self.modes)**2)
+        return -shapes(self.modes,
+                       self.spacing) * self.weight / (MASS_PER_LENGTH * omegas(self.modes)**2)
 
     def size(self):
         """Of the state: each mode's displacements and velocities under the weight in its middle."""
@@ -98,7 +105,8 @@ class Crossing:
             return self.forces(time, y[:n], y[n:])[1]
         force.terminal, force.direction = True, -1
         start = self.static()
-        return solve_ivp(rate, (0, self.duration), np.concatenate([start, 0 * start]), method="DOP853", rtol=tolerance,
+        return solve_ivp(rate, (0, self.duration), np.concatenate([start, 0 * start]),
+                         method="DOP853", rtol=tolerance,
                          atol=tolerance * self.size(), events=force, dense_output=True)
 
     def lift_off(self, solution):
@@ -115,7 +123,8 @@ class Crossing:
 
         def gap(time):
             t = time - off
-            w = shapes(n, self.where(time)) @ (q * np.cos(omega * t) + v / omega * np.sin(omega * t))
+            w = shapes(n,
+                       self.where(time)) @ (q * np.cos(omega * t) + v / omega * np.sin(omega * t))
             return z + rate * t - 0.5 * GRAVITY * t * t - w
         times = np.linspace(off, self.duration, 20001)[1:]
         gaps = np.array([gap(t) for t in times])
@@ -144,9 +153,12 @@ class Crossing:
             return np.concatenate([y[n:2 * n], -omega2 * y[:n] - psi / MASS_PER_LENGTH * force,
                                    [y[2 * n + 1], force / self.mass - GRAVITY]])
         q = self.static()
-        start = np.concatenate([q, 0 * q, [shapes(n, self.spacing) @ q - self.weight / stiffness, 0.0]])
-        size = np.concatenate([self.size(), self.weight / BEAM_SPRING * np.array([1, omegas(1)[0]])])
-        solution = solve_ivp(rate, (0, times[-1]), start, method="DOP853", rtol=tolerance, atol=tolerance * size, t_eval=times)
+        start = np.concatenate([q, 0 * q,
+                                [shapes(n, self.spacing) @ q - self.weight / stiffness, 0.0]])
+        size = np.concatenate([self.size(),
+                               self.weight / BEAM_SPRING * np.array([1, omegas(1)[0]])])
+        solution = solve_ivp(rate, (0, times[-1]), start, method="DOP853", rtol=tolerance,
+                             atol=tolerance * size, t_eval=times)
         return self.middle @ solution.y[:n]
 
     # ---- side by side
@@ -166,7 +178,8 @@ class Crossing:
         exact = self.deflection(solution, time)
         off = self.lift_off(solution)
         difference = np.abs(probe - exact) / np.abs(exact).max()
-        in_contact = time <= (self.duration if off is None else min(off, self.last_touch(marched, off)))
+        in_contact = time <= (self.duration if off is None
+                              else min(off, self.last_touch(marched, off)))
         return difference[in_contact].max(), difference[~in_contact].max(initial=0)
 
     def blow_of_lift_off(self, off, solution, kappa):
@@ -174,8 +187,12 @@ class Crossing:
         for a period of the contact more or less is a blow, after which mode k swings by blow
         psi_k/(mu omega_k)."""
         blow = self.weight * self.period(kappa)
-        amplitude = np.abs(self.middle * shapes(self.modes, self.where(off))) / (MASS_PER_LENGTH * omegas(self.modes))
-        return blow * amplitude.sum() / np.abs(self.deflection(solution, np.linspace(0, self.duration, 401))).max()
+        amplitude = np.abs(self.middle * shapes(self.modes,
+                                                self.where(off))) / (MASS_PER_LENGTH
+                                                                     * omegas(self.modes))
+        return blow * amplitude.sum() / np.abs(self.deflection(solution,
+                                                               np.linspace(0, self.duration,
+                                                                           401))).max()
 
     def last_touch(self, marched, off):
         """When the marched mass lifts off for good [s]: the end of the last contact before it flies
@@ -209,24 +226,31 @@ class Found:
 def compare_crossing(case, crossing, solution, kappas):
     """Runs a mass under both springs and compares; hands the case its checks."""
     soft, stiff = (crossing.marched(case, kappa) for kappa in kappas)
-    (of_soft, _), (of_stiff, after) = (crossing.differences(marched, solution) for marched in (soft, stiff))
-    case.check("difference of the deflection, over a tenth of that under a spring 10 times softer", 10 * of_stiff / of_soft, 1.5,
+    (of_soft, _), (of_stiff, after) = (crossing.differences(marched, solution)
+                                       for marched in (soft, stiff))
+    case.check("difference of the deflection, over a tenth of that under a spring 10 times softer",
+               10 * of_stiff / of_soft, 1.5,
                "what the spring yields goes with 1/kappa")
     off, late = crossing.lift_off(solution), np.nan
     if off is None:
         off = after = np.nan
     else:
         if crossing.landing(solution):
-            raise SystemExit("moving-mass: the mass comes down again, and the constrained equations do not say what follows")
+            raise SystemExit("moving-mass: the mass comes down again, and the constrained "
+                             "equations do not say what follows")
         late = crossing.last_touch(stiff, off) - off
-        case.check("lift-off, in periods of the mass on its spring", abs(late) / crossing.period(kappas[1]), 1,
+        case.check("lift-off, in periods of the mass on its spring",
+                   abs(late) / crossing.period(kappas[1]), 1,
                    "the contact may open once a period where the mean force is small")
-        case.check("deflection after lift-off", after, crossing.blow_of_lift_off(off, solution, kappas[1]) + of_stiff,
+        case.check("deflection after lift-off", after,
+                   crossing.blow_of_lift_off(off, solution, kappas[1]) + of_stiff,
                    "the weight for a period of the contact, more or less, as a blow")
     exact = crossing.deflection(solution, stiff[0])
     force = moving_load.middle(crossing.modes, crossing.speed, stiff[0], -crossing.weight)
-    return Found(crossing.mass / (MASS_PER_LENGTH * LENGTH), crossing.speed / CRITICAL_SPEED, np.abs(exact).max(), of_soft, of_stiff,
-                 after, off, late, late / crossing.period(kappas[1]), np.abs(force - exact).max() / np.abs(exact).max())
+    return Found(crossing.mass / (MASS_PER_LENGTH * LENGTH), crossing.speed / CRITICAL_SPEED,
+                 np.abs(exact).max(), of_soft, of_stiff,
+                 after, off, late, late / crossing.period(kappas[1]),
+                 np.abs(force - exact).max() / np.abs(exact).max())
 
 
 def against_spring(case, crossing, kappa):
@@ -236,7 +260,8 @@ def against_spring(case, crossing, kappa):
     time, probe = crossing.marched(case, kappa, tolerance=tolerance)[:2]
     exact = crossing.sprung(spring(kappa, crossing.spacing), time)
     difference = np.abs(probe[:, 0] - exact).max() / np.abs(exact).max()
-    case.check("deflection, against the same spring in the peer's integrator", difference, 10 * tolerance, "ten tolerances")
+    case.check("deflection, against the same spring in the peer's integrator", difference,
+               10 * tolerance, "ten tolerances")
     case.text("own", difference)
 
 
@@ -248,34 +273,45 @@ def against_steps(case, crossing, solution, schemes, steps):
         found = []
         for step in steps:
             scene = crossing.scene(KAPPA)
-            scene["contact"], scene["time"] = {"law": "multiplier"}, {"scheme": scheme, "step": step}
+            scene["contact"], scene["time"] = {"law": "multiplier"}, {"scheme": scheme,
+                                                                      "step": step}
             scene["output"]["rate"] = 1e4
             marched = crossing.run(case, scene)
-            found.append((crossing.differences(marched, solution)[0], crossing.last_touch(marched, off) - off, len(marched[2])))
+            found.append((crossing.differences(marched, solution)[0],
+                          crossing.last_touch(marched, off) - off, len(marched[2])))
             rows.append((scheme, step, *found[-1]))
         for i in range(len(steps) - 1):
             ratio = steps[i] / steps[i + 1]
-            case.check("multipliers: difference of the deflection, over what first order makes of a longer step's",
-                       ratio * found[i + 1][0] / found[i][0], 1.5, "the constraint holds at the ends of steps: first order")
-            if scheme == "backward-euler":  # the others open and close, and lift off at one of these
-                case.check("multipliers, `backward-euler`: lift-off, over what first order makes of a longer step's",
+            case.check("multipliers: difference of the deflection, over what first order makes of "
+                       "a longer step's",
+                       ratio * found[i + 1][0] / found[i][0], 1.5,
+                       "the constraint holds at the ends of steps: first order")
+            # the others open and close, and lift off at one of these
+            if scheme == "backward-euler":
+                case.check("multipliers, `backward-euler`: lift-off, over what first order makes "
+                           "of a longer step's",
                            ratio * abs(found[i + 1][1] / found[i][1]), 1.5, "first order")
     return rows
 
 
 def compare(case):
     if case.short:
-        for crossing in (Crossing(0.5, 0.6, modes=5, spacing=1e-5), Crossing(1.0, 0.3, modes=5, spacing=1e-5)):
+        for crossing in (Crossing(0.5, 0.6, modes=5, spacing=1e-5),
+                         Crossing(1.0, 0.3, modes=5, spacing=1e-5)):
             compare_crossing(case, crossing, crossing.constrained(), (1e16, 1e17))
         against_spring(case, Crossing(0.1, 0.6, modes=5, spacing=1e-5), 1e13)
-        against_steps(case, crossing, crossing.constrained(), ("backward-euler", "midpoint"), (1e-6, 1e-7))
+        against_steps(case, crossing, crossing.constrained(), ("backward-euler", "midpoint"),
+                      (1e-6, 1e-7))
         return
-    crossings = [Crossing(mass, speed) for mass in (0.1, 0.5, 1.0, 2.0) for speed in (0.05, 0.1, 0.3, 0.6, 1.0)]
+    crossings = [Crossing(mass, speed) for mass in (0.1, 0.5, 1.0, 2.0)
+                 for speed in (0.05, 0.1, 0.3, 0.6, 1.0)]
     solutions = [crossing.constrained() for crossing in crossings]
-    found = [compare_crossing(case, crossing, solution, (KAPPA / 10, KAPPA)) for crossing, solution in zip(crossings, solutions)]
+    found = [compare_crossing(case, crossing, solution, (KAPPA / 10, KAPPA))
+             for crossing, solution in zip(crossings, solutions)]
     against_spring(case, Crossing(0.1, 0.6), 1e14)
     tell_differences(case, found)
-    chosen = next(i for i, each in enumerate(found) if np.allclose((each.mass, each.speed), (0.5, 0.6)))
+    chosen = next(i for i, each in enumerate(found) if np.allclose((each.mass, each.speed),
+                                                                   (0.5, 0.6)))
     tell_peer(case, crossings[chosen], solutions[chosen])
     fall = tell_spring(case, crossings[chosen], solutions[chosen])
     tell_length(case)
@@ -284,15 +320,19 @@ def compare(case):
 
 
 def tell_differences(case, found):
-    case.table([field.name for field in dataclasses.fields(Found)], [dataclasses.astuple(each) for each in found])
+    case.table([field.name for field in dataclasses.fields(Found)],
+               [dataclasses.astuple(each) for each in found])
     shown, rows = common.shown, []
     for each in found:
         flies = np.isfinite(each.off)
-        rows.append((shown(each.mass), shown(each.speed), shown(1e3 * each.largest, 3), shown(each.soft), shown(each.stiff),
-                     shown(each.after) if flies else "", shown(1e3 * each.off, 6) if flies else "never",
+        rows.append((shown(each.mass), shown(each.speed), shown(1e3 * each.largest, 3),
+                     shown(each.soft), shown(each.stiff),
+                     shown(each.after) if flies else "", shown(1e3 * each.off, 6) if flies
+                     else "never",
                      shown(1e6 * each.late) if flies else "", f"{100 * each.force:.1f} %"))
     case.text("table", common.markdown(
-        ("mass / beam's", "speed / critical", "largest deflection, mm", "difference, 1e17 Pa/m", "1e18 Pa/m", "... after lift-off",
+        ("mass / beam's", "speed / critical", "largest deflection, mm", "difference, 1e17 Pa/m",
+         "1e18 Pa/m", "... after lift-off",
          "lifts off at, ms", "ra2d later by, us", "a force instead of the mass"), rows))
     case.text("stiffness", BEAM_SPRING / spring(KAPPA))
     for name in ("stiff", "soft", "after"):
@@ -300,7 +340,8 @@ def tell_differences(case, found):
     case.text("over-estimate", max(each.stiff for each in found) / (BEAM_SPRING / spring(KAPPA)))
     case.text("latest", max(abs(each.periods) for each in found if np.isfinite(each.off)))
     for name, mass in (("light", 0.1), ("heavy", 2.0)):
-        case.text(name, f"{100 * max(each.force for each in found if np.isclose(each.mass, mass)):.0f}")
+        case.text(name,
+                  f"{100 * max(each.force for each in found if np.isclose(each.mass, mass)):.0f}")
 
 
 def tell_peer(case, crossing, solution):
@@ -308,7 +349,8 @@ def tell_peer(case, crossing, solution):
     times = np.linspace(0, crossing.duration, 401)
     finer = crossing.constrained(1e-13)
     exact = crossing.deflection(finer, times)
-    case.text("peer", np.abs(crossing.deflection(solution, times) - exact).max() / np.abs(exact).max())
+    case.text("peer",
+              np.abs(crossing.deflection(solution, times) - exact).max() / np.abs(exact).max())
     case.text("peer-time", abs(crossing.lift_off(finer) - crossing.lift_off(solution)))
     peers = [Crossing(0.5, 0.6, modes) for modes in (40, 20, 10, 5)]
     rows, fullest = [], None
@@ -317,8 +359,10 @@ def tell_peer(case, crossing, solution):
         deflection = peer.deflection(solution, times)
         fullest = deflection if fullest is None else fullest
         off = np.abs(deflection - fullest).max() / np.abs(fullest).max()
-        rows.append((peer.modes, common.shown(off) if off else "", common.shown(1e3 * peer.lift_off(solution), 6)))
-    case.text("modes-table", common.markdown(("modes", "deflection off by", "lifts off at, ms"), rows[::-1]))
+        rows.append((peer.modes, common.shown(off) if off else "",
+                     common.shown(1e3 * peer.lift_off(solution), 6)))
+    case.text("modes-table", common.markdown(("modes", "deflection off by", "lifts off at, ms"),
+                                             rows[::-1]))
 
 
 def tell_spring(case, crossing, solution):
@@ -327,15 +371,19 @@ def tell_spring(case, crossing, solution):
     fall = []
     for kappa in (1e14, 1e15, 1e16, 1e17, 1e18, 1e19):
         marched, off = crossing.marched(case, kappa), crossing.lift_off(solution)
-        fall.append((kappa, crossing.differences(marched, solution)[0], crossing.last_touch(marched, off) - off,
+        fall.append((kappa, crossing.differences(marched, solution)[0],
+                     crossing.last_touch(marched, off) - off,
                      crossing.period(kappa), len(marched[2])))
     fall = np.array(fall)
     slope = np.polyfit(*np.log(fall[1:5, :2].T), 1)[0]
-    case.check("slope of the difference over kappa, from -1", abs(slope + 1), 0.05, "the spring's yield is f/(kappa chi w)")
+    case.check("slope of the difference over kappa, from -1", abs(slope + 1), 0.05,
+               "the spring's yield is f/(kappa chi w)")
     case.text("slope", f"{slope:.3f}")
     case.text("kappa-table", common.markdown(
-        ("kappa, Pa/m", "difference of the deflection", "lift-off later by, us", "period of the contact, us", "contacts"),
-        [(common.shown(kappa, 1), common.shown(off), common.shown(1e6 * late), common.shown(1e6 * period), f"{contacts:.0f}")
+        ("kappa, Pa/m", "difference of the deflection", "lift-off later by, us",
+         "period of the contact, us", "contacts"),
+        [(common.shown(kappa, 1), common.shown(off), common.shown(1e6 * late),
+          common.shown(1e6 * period), f"{contacts:.0f}")
          for kappa, off, late, period, contacts in fall]))
     return fall
 
@@ -346,18 +394,25 @@ def tell_length(case):
     for spacing in (1e-4, 1e-5, 1e-6):
         crossing = Crossing(0.5, 0.6, spacing=spacing)
         solution = crossing.constrained()
-        marched, off = crossing.marched(case, KAPPA * SPACING / spacing), crossing.lift_off(solution)
-        difference, late = crossing.differences(marched, solution)[0], crossing.last_touch(marched, off) - off
-        rows.append((common.shown(1e6 * spacing), common.shown(difference), common.shown(1e6 * late), len(marched[2])))
-    case.text("length-table", common.markdown(("spacing, um", "difference of the deflection", "lift-off later by, us", "contacts"), rows))
+        marched, off = crossing.marched(case,
+                                        KAPPA * SPACING / spacing), crossing.lift_off(solution)
+        difference, late = crossing.differences(marched,
+                                                solution)[0], crossing.last_touch(
+                                                    marched, off) - off
+        rows.append((common.shown(1e6 * spacing), common.shown(difference),
+                     common.shown(1e6 * late), len(marched[2])))
+    case.text("length-table", common.markdown(("spacing, um", "difference of the deflection",
+                                               "lift-off later by, us", "contacts"), rows))
 
 
 def tell_steps(case):
     crossing = Crossing(0.5, 0.6, spacing=1e-5)
-    rows = against_steps(case, crossing, crossing.constrained(), ("backward-euler", "midpoint", "rk4", "exact"), (1e-6, 1e-7, 1e-8))
+    rows = against_steps(case, crossing, crossing.constrained(),
+                         ("backward-euler", "midpoint", "rk4", "exact"), (1e-6, 1e-7, 1e-8))
     case.text("steps-table", common.markdown(
         ("scheme", "step, s", "difference of the deflection", "lift-off later by, us", "contacts"),
-        [(f"`{scheme}`", common.shown(step, 1), common.shown(off), common.shown(1e6 * late), contacts)
+        [(f"`{scheme}`", common.shown(step, 1), common.shown(off),
+          common.shown(1e6 * late), contacts)
          for scheme, step, off, late, contacts in rows]))
 
 
@@ -374,24 +429,35 @@ def draw(case, all_found, fall):
         def place(time):
             return crossing.where(time) / LENGTH
         times = np.linspace(0, crossing.duration, 121)
-        upper.plot(place(times), crossing.deflection(solution, times) / static, color=colours[mass], lw=1.2, label=f"{mass}")
+        upper.plot(place(times), crossing.deflection(solution, times) / static, color=colours[mass],
+                   lw=1.2, label=f"{mass}")
         time, probe = crossing.marched(case, KAPPA, samples=32)[:2]
         upper.plot(place(time), probe[:, 0] / static, "o", color=colours[mass], ms=3, mfc="none")
         if np.isfinite(found.off):
-            upper.plot(place(found.off), crossing.deflection(solution, np.array([found.off])) / static, "x", color=colours[mass], ms=8)
+            upper.plot(place(found.off),
+                       crossing.deflection(solution, np.array([found.off])) / static, "x",
+                       color=colours[mass], ms=8)
     speed = 0.6 * CRITICAL_SPEED
     times = np.linspace(0, LENGTH / speed, 121)
-    upper.plot(times * speed / LENGTH, moving_load.middle(MODES, speed, times) / (moving_load.FORCE / BEAM_SPRING),
+    upper.plot(times * speed / LENGTH,
+               moving_load.middle(MODES, speed, times) / (moving_load.FORCE / BEAM_SPRING),
                color=style.GREY, lw=1, ls="--", label="a constant force")
-    upper.set(title="0.6 of the critical speed: constrained equations (lines), ra2d (circles), lift-off (crosses)",
-              xlabel="place of the mass over the beam's length", ylabel="deflection of the middle / static")
+    upper.set(title="0.6 of the critical speed: constrained equations (lines), ra2d (circles), "
+                    "lift-off (crosses)",
+              xlabel="place of the mass over the beam's length",
+              ylabel="deflection of the middle / static")
     upper.legend(title="mass over the beam's", ncols=2)
     kappas, differences, late, periods, _ = fall.T
-    middle.loglog(kappas, differences, "o-", color=style.BLUE, ms=4, lw=1, label="difference of the deflection")
-    middle.loglog(kappas, differences[2] * kappas[2] / kappas, color=style.GREY, lw=1, ls="--", label="1/kappa")
-    middle.set(title="Mass 0.5, speed 0.6: what the contact spring makes", ylabel="over the largest deflection", xlabel="kappa, Pa/m")
-    lower.loglog(kappas, np.abs(late), "s-", color=style.RUST, ms=4, lw=1, label="difference of the time of lift-off")
-    lower.loglog(kappas, periods, color=style.GREY, lw=1, ls="--", label="a period of the mass on its spring")
+    middle.loglog(kappas, differences, "o-", color=style.BLUE, ms=4, lw=1,
+                  label="difference of the deflection")
+    middle.loglog(kappas, differences[2] * kappas[2] / kappas, color=style.GREY, lw=1, ls="--",
+                  label="1/kappa")
+    middle.set(title="Mass 0.5, speed 0.6: what the contact spring makes",
+               ylabel="over the largest deflection", xlabel="kappa, Pa/m")
+    lower.loglog(kappas, np.abs(late), "s-", color=style.RUST, ms=4, lw=1,
+                 label="difference of the time of lift-off")
+    lower.loglog(kappas, periods, color=style.GREY, lw=1, ls="--",
+                 label="a period of the mass on its spring")
     lower.set(xlabel="kappa, Pa/m", ylabel="s")
     for axes in (middle, lower):
         axes.legend()

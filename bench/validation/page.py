@@ -39,9 +39,11 @@ class Table:
     """A table of a case, as common.markdown has written it."""
 
     def __init__(self, text):
-        head, _, *rows = ([cell.strip() for cell in line.strip().strip("|").split("|")] for line in text.split("\n"))
+        head, _, *rows = ([cell.strip() for cell in line.strip().strip("|").split("|")]
+                          for line in text.split("\n"))
         if any(len(row) != len(head) for row in rows):
-            sys.exit(f"a table has rows of another length than its head: {' | '.join(head)}. No cell may hold '|'")
+            sys.exit(f"a table has rows of another length than its head: {' | '.join(head)}. No "
+                     "cell may hold '|'")
         self.head, self.rows = head, rows
 
     def picked(self, rows, columns):
@@ -92,7 +94,8 @@ def is_table(text):
 
 
 def stored():
-    return {file.stem: json.loads(file.read_text()) for file in sorted((DOCS / "validation").glob("*.json"))}
+    return {file.stem: json.loads(file.read_text())
+            for file in sorted((DOCS / "validation").glob("*.json"))}
 
 
 def made_tables(texts):
@@ -114,7 +117,8 @@ def made_page(page, texts):
         case, name, rows, columns = place.groups()
         text = texts.get(case, {}).get(name) or extra.get(case, {}).get(name)
         if text is None:
-            sys.exit(f"{page}.in asks for {place.group()}, which docs/validation/{case}.json has not: "
+            sys.exit(f"{page}.in asks for {place.group()}, which docs/validation/{case}.json has "
+                     "not: "
                      f"build the target validation-{case}, or correct the name")
         if rows is None:
             return text
@@ -131,16 +135,19 @@ def made_page(page, texts):
 def check(files, texts):
     for path, text in files.items():
         if not path.exists() or path.read_text() != text:
-            sys.exit(f"{path.relative_to(DOCS.parent)} is not what bench/validation/*.md.in and docs/validation/*.json "
+            sys.exit(f"{path.relative_to(DOCS.parent)} is not what bench/validation/*.md.in and "
+                     "docs/validation/*.json "
                      "give: run bench/validation/page.py")
     strange = [file.name for file in TABLES.iterdir() if file not in files]
     if strange:
         sys.exit(f"docs/validation/tables holds what no case has made: {', '.join(strange)}")
     for page in PAGES:
-        missing = [name for name in re.findall(r"\]\((validation/[^)]+)\)", files[DOCS / page]) if not (DOCS / name).exists()]
+        missing = [name for name in re.findall(r"\]\((validation/[^)]+)\)", files[DOCS / page])
+                   if not (DOCS / name).exists()]
         if missing:
             sys.exit(f"docs/{page} shows files that are missing: {', '.join(missing)}")
-    print(f"{len(PAGES)} pages and {len(files) - len(PAGES)} tables are what their texts and {len(texts)} cases give")
+    print(f"{len(PAGES)} pages and {len(files) - len(PAGES)} tables are what their texts and "
+          f"{len(texts)} cases give")
 
 
 def main():

@@ -8,7 +8,8 @@ STIFFNESS = YOUNG * WIDTH * THICKNESS**3 / 12    # D, N m^2
 MASS_PER_LENGTH = DENSITY * THICKNESS * WIDTH    # m, kg/m
 CRITICAL_SPEED = np.pi / LENGTH * np.sqrt(STIFFNESS / MASS_PER_LENGTH)  # m/s
 
-BEAM = {"support": "pinned", "length": LENGTH, "thickness": THICKNESS, "width": WIDTH, "young": YOUNG,
+BEAM = {"support": "pinned", "length": LENGTH, "thickness": THICKNESS, "width": WIDTH,
+        "young": YOUNG,
         "density": DENSITY, "damping": 0.0}
 
 

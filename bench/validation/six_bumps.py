@@ -22,8 +22,10 @@ import csv
 import numpy as np
 
 import common
-from six_bumps_calculix import (BEST, BLOCK, BUMPS, DENSITY, DURATION, HEIGHT, LENGTH, MESHES, OF_FREQUENCIES, OVERLAP, PITCH,
-                                POISSON, PROBE, ROW, SPEED, START, STIFFNESS, THICKNESS, WIDTH, YOUNG, block_heights, input_text, mark,
+from six_bumps_calculix import (BEST, BLOCK, BUMPS, DENSITY, DURATION, HEIGHT, LENGTH, MESHES,
+                                OF_FREQUENCIES, OVERLAP, PITCH,
+                                POISSON, PROBE, ROW, SPEED, START, STIFFNESS, THICKNESS, WIDTH,
+                                YOUNG, block_heights, input_text, mark,
                                 plate_heights)
 
 MODES, MORE = 100, 200
@@ -34,7 +36,8 @@ OWN_SPACING = "its spacing: 80 um instead of 40"
 NATURAL = 30
 SHEAR = "shear and rotary inertia, by theory"
 BENDING = YOUNG * THICKNESS**3 / 12 / (1 - POISSON**2)
-LONG, FINE, BLOCKS, LONGEST = "160-elements-4us", "640-elements-8us", "160-elements-8us-fine-block", "160-elements-8us"
+LONG, FINE, BLOCKS, LONGEST = ("160-elements-4us", "640-elements-8us",
+                               "160-elements-8us-fine-block", "160-elements-8us")
 
 
 def rows_of(spacing, length):
@@ -54,11 +57,16 @@ def scene(case, modes, spacing, duration, rate):
         return {"kind": "file", "path": f"{name}.npy", "spacing": spacing, "spacing_y": spacing}
 
     return {
-        "scene": {"kind": "areal", "duration": duration, "speed": SPEED, "start": START - BLOCK / 2, "side": ROW - BLOCK / 2,
-                  "gap": 2 * HEIGHT - OVERLAP - plate.mean() - block.mean(), "spacing": spacing, "initial": "rest"},
-        "resonator": {"support": "pinned", "length": LENGTH, "width": WIDTH, "thickness": THICKNESS, "young": YOUNG,
-                      "poisson": POISSON, "density": DENSITY, "damping": 0.0, "modes": modes, "surface": surface("plate")},
-        "slider": {"support": "rigid", "length": BLOCK, "width": BLOCK, "surface": surface("block")},
+        "scene": {"kind": "areal", "duration": duration, "speed": SPEED, "start": START - BLOCK / 2,
+                  "side": ROW - BLOCK / 2,
+                  "gap": 2 * HEIGHT - OVERLAP - plate.mean() - block.mean(), "spacing": spacing,
+                  "initial": "rest"},
+        "resonator": {"support": "pinned", "length": LENGTH, "width": WIDTH, "thickness": THICKNESS,
+                      "young": YOUNG,
+                      "poisson": POISSON, "density": DENSITY, "damping": 0.0, "modes": modes,
+                      "surface": surface("plate")},
+        "slider": {"support": "rigid", "length": BLOCK, "width": BLOCK,
+                   "surface": surface("block")},
         "contact": {"law": "penalty", "stiffness": STIFFNESS},
         "time": {"scheme": "adaptive", "tolerance": TOLERANCE},
         "output": {"rate": rate, "probes": [list(PROBE)]},
@@ -68,7 +76,8 @@ def scene(case, modes, spacing, duration, rate):
 def marched(case, modes=MODES, spacing=SPACING, duration=DURATION, rate=1e6):
     """The columns of six-bumps-*.csv. The largest pressure is that of ra2d's displacements at
     points COARSE apart."""
-    time, probe, force, plate = case.run(scene(case, modes, spacing, duration, rate), "time", "probes/displacement", "contact/force",
+    time, probe, force, plate = case.run(scene(case, modes, spacing, duration, rate), "time",
+                                         "probes/displacement", "contact/force",
                                          "resonator/displacement")
     pressure = np.zeros_like(time)
     meeting = Meeting(False, modes, COARSE)
@@ -81,7 +90,8 @@ def chosen_modes(count):
     """Half-waves (m, n) along x and y of the lowest modes; of one frequency first that with fewer
     along x, as in ra2d. In whole numbers, so that equal frequencies are equal."""
     m, n = np.mgrid[1:60, 1:60].reshape(2, -1)
-    lowest = np.argsort((m * round(1e3 * WIDTH))**2 + (n * round(1e3 * LENGTH))**2, kind="stable")[:count]
+    lowest = np.argsort((m * round(1e3 * WIDTH))**2 + (n * round(1e3 * LENGTH))**2,
+                        kind="stable")[:count]
     return m[lowest], n[lowest]
 
 
@@ -93,7 +103,9 @@ def theory(wave, shear):
     if not shear:
         return np.sqrt(BENDING / mass) * wave**2, np.full(len(wave), mass)
     stiff, plane = 5 / (6 - POISSON) * YOUNG / (2 * (1 + POISSON)), YOUNG / (1 - POISSON**2)
-    a, b, c = DENSITY * r2 / stiff, 1 + r2 * wave**2 * (1 + plane / stiff), plane * r2 * wave**4 / DENSITY
+    a, b, c = DENSITY * r2 / stiff, 1 + r2 * wave**2 * (1
+                                                        + plane
+                                                        / stiff), plane * r2 * wave**4 / DENSITY
     square = (b - np.sqrt(b**2 - 4 * a * c)) / (2 * a)
     turn = wave - DENSITY * square / (stiff * wave)  # of the cross section, over the deflection
     return np.sqrt(square), mass * (1 + r2 * turn**2)
@@ -109,7 +121,8 @@ class Meeting:
         self.place, self.area = rows_of(spacing, BLOCK) - BLOCK / 2, spacing**2
         self.block = block_heights(self.place[:, None], self.place)
         self.across = self.sines(self.n, WIDTH, ROW + self.place)
-        self.probe = (self.sines(self.m, LENGTH, PROBE[:1]) * self.sines(self.n, WIDTH, PROBE[1:]))[0]
+        self.probe = (self.sines(self.m, LENGTH,
+                                 PROBE[:1]) * self.sines(self.n, WIDTH, PROBE[1:]))[0]
 
     @staticmethod
     def sines(waves, length, x):
@@ -134,7 +147,8 @@ class Meeting:
     def load(self, time, pressure):
         """The force on each mode over the area's root."""
         found = self.set(time)
-        return 0 if found is None else self.area * np.einsum("im,ij,jm->m", found[1], pressure, self.across, optimize=True)
+        return 0 if found is None else self.area * np.einsum("im,ij,jm->m", found[1], pressure,
+                                                             self.across, optimize=True)
 
     def row(self, time, u, pressure):
         return time, self.probe @ u, self.area * pressure.sum(), pressure.max()
@@ -176,7 +190,8 @@ def shocks(found):
         part = found[np.abs(START + SPEED * found[:, 0] - at) <= PITCH / 2]
         time, force = part[:, 0], part[:, 2]
         impulse = np.trapz(force, time)
-        rows.append((np.trapz(force * time, time) / impulse, impulse, touched(time, force), part[:, 3].max()))
+        rows.append((np.trapz(force * time, time) / impulse, impulse, touched(time, force),
+                     part[:, 3].max()))
     return np.array(rows)
 
 
@@ -187,7 +202,8 @@ def calculix(mesh):
     return np.array(rows, dtype=float), note
 
 
-MEASURES = ("times, s", "impulses, over the largest", "durations, s", "largest pressures, over their own",
+MEASURES = ("times, s", "impulses, over the largest", "durations, s",
+            "largest pressures, over their own",
             "displacement of the probe, over the largest")
 
 
@@ -195,7 +211,8 @@ def differences(first, second):
     """One of each of MEASURES: the largest over the shocks."""
     ours, peer = shocks(first), shocks(second)
     off = np.abs(ours - peer)
-    moved = np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1]) - second[:, 1]).max() / np.abs(second[:, 1]).max()
+    moved = np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1])
+                   - second[:, 1]).max() / np.abs(second[:, 1]).max()
     return (off[:, 0].max(), off[:, 1].max() / peer[:, 1].max(), off[:, 2].max(),
             (off[:, 3] / peer[:, 3]).max(), moved)
 
@@ -206,10 +223,14 @@ def sum_of(pairs):
 
 
 def compare(case):
-    strange = [mesh for mesh in MESHES if f"input {mark(input_text(mesh))};" not in calculix(mesh)[1]]
-    case.check("CalculiX: meshes whose kept results are of another input", len(strange), 0.5, "the results are of this scene")
-    best, long, longest, fine, blocks = (calculix(mesh)[0] for mesh in (BEST, LONG, LONGEST, FINE, BLOCKS))
-    causes = {"CalculiX's step: 4 us instead of 2": (long, best), "its plate's elements: 2 mm instead of 4": (fine, longest),
+    strange = [mesh for mesh in MESHES
+               if f"input {mark(input_text(mesh))};" not in calculix(mesh)[1]]
+    case.check("CalculiX: meshes whose kept results are of another input", len(strange), 0.5,
+               "the results are of this scene")
+    best, long, longest, fine, blocks = (calculix(mesh)[0]
+                                         for mesh in (BEST, LONG, LONGEST, FINE, BLOCKS))
+    causes = {"CalculiX's step: 4 us instead of 2": (long, best),
+              "its plate's elements: 2 mm instead of 4": (fine, longest),
               "its block's elements: 0.25 mm instead of 0.5": (blocks, longest)}
     if case.short:
         found = marched(case, spacing=1e-4, duration=HALF, rate=2.5e5)
@@ -228,42 +249,59 @@ def compare(case):
                    "what these move with twice their step and spacing, and ra2d with twice its own")
     report(case, found, best, causes, {
         "Kirchhoff's frequencies": kirchhoff, "with shear and rotary inertia": by_hand(True),
-        f"of CalculiX's {NATURAL} lowest modes": by_hand(False, lowest=2 * np.pi * natural_frequencies()[:, 0])})
+        f"of CalculiX's {NATURAL} lowest modes": by_hand(False,
+                                                         lowest=2 * np.pi
+                                                         * natural_frequencies()[:, 0])})
 
 
 def check(case, found, best, causes):
     for what, ours, most in zip(MEASURES, differences(found, best), sum_of(causes.values())):
-        case.check(f"ra2d beside CalculiX: {what}", ours, most, "what the mesh and step of either move")
+        case.check(f"ra2d beside CalculiX: {what}", ours, most,
+                   "what the mesh and step of either move")
 
 
 def in_words(found):
     """The differences as a table has them."""
     times, impulses, durations, pressures, displaced = found
-    return [common.shown(each) for each in (1e6 * times, 100 * impulses, 1e6 * durations, 100 * pressures, 100 * displaced)]
+    return [common.shown(each) for each in (1e6 * times, 100 * impulses, 1e6 * durations,
+                                            100 * pressures, 100 * displaced)]
 
 
 def report(case, found, best, causes, theories):
     kirchhoff, shear, natural = theories.values()
-    for name, each in (("", differences(found, best)), ("own-", sum_of(causes.values())), ("shear-", differences(shear, kirchhoff)),
-                       ("with-shear-", differences(shear, best)), ("natural-", differences(natural, best))):
-        for measure, value in zip(("times", "impulses", "durations", "pressures", "displacement"), in_words(each)):
+    for name, each in (("", differences(found, best)), ("own-", sum_of(causes.values())),
+                       ("shear-", differences(shear, kirchhoff)),
+                       ("with-shear-", differences(shear, best)),
+                       ("natural-", differences(natural, best))):
+        for measure, value in zip(("times", "impulses", "durations", "pressures", "displacement"),
+                                  in_words(each)):
             case.text(name + measure, value)
     rows = []
     ours, peers = shocks(found), shocks(best)
     for i, (own, peer) in enumerate(zip(ours, peers)):
-        rows.append((i + 1, f"{1e6 * peer[0]:.1f}", f"{1e6 * (own[0] - peer[0]):+.1f}", f"{1e6 * peer[1]:.3f}",
-                     f"{100 * (own[1] / peer[1] - 1):+.1f}", f"{1e6 * peer[2]:.1f}", f"{1e6 * (own[2] - peer[2]):+.1f}",
+        rows.append((i + 1, f"{1e6 * peer[0]:.1f}", f"{1e6 * (own[0] - peer[0]):+.1f}",
+                     f"{1e6 * peer[1]:.3f}",
+                     f"{100 * (own[1] / peer[1] - 1):+.1f}", f"{1e6 * peer[2]:.1f}",
+                     f"{1e6 * (own[2] - peer[2]):+.1f}",
                      f"{1e-3 * peer[3]:.1f}", f"{100 * (own[3] / peer[3] - 1):+.1f}"))
     case.text("shocks", common.markdown(
-        ("bump", "CalculiX: time, us", "ra2d, us", "CalculiX: impulse, uN s", "ra2d, %", "CalculiX: duration, us", "ra2d, us",
+        ("bump", "CalculiX: time, us", "ra2d, us", "CalculiX: impulse, uN s", "ra2d, %",
+         "CalculiX: duration, us", "ra2d, us",
          "CalculiX: largest pressure, kPa", "ra2d, %"), rows))
     head = ("", "times, us", "impulses, %", "durations, us", "pressures, %", "displacement, %")
     case.text("causes", common.markdown(head, [(what, *in_words(differences(*pair)))
-                                               for what, pair in (causes | {SHEAR: (shear, kirchhoff)}).items()]))
-    case.text("theories", common.markdown(("the modes by hand", *(f"from CalculiX: {word}" for word in head[1:])), [
+                                               for what, pair in (causes
+                                                                  | {SHEAR:
+                                                                     (shear, kirchhoff)}).items()]))
+    case.text("theories",
+              common.markdown(("the modes by hand",
+                               *(f"from CalculiX: {word}" for word in head[1:])), [
         (what, *in_words(differences(each, best))) for what, each in theories.items()]))
-    case.text("peers", common.markdown(("CalculiX", *(f"from ra2d: {word}" for word in head[1:]), "takes, s"), [
-        (mesh.replace("-", " ").replace("us", " us"), *in_words(differences(found, peer)), note.split()[2])
+    case.text("peers",
+              common.markdown(("CalculiX", *(f"from ra2d: {word}" for word in head[1:]),
+                               "takes, s"), [
+        (mesh.replace("-", " ").replace("us", " us"), *in_words(differences(found, peer)),
+         note.split()[2])
         for mesh, (peer, note) in ((mesh, calculix(mesh)) for mesh in MESHES)]))
     notes = [calculix(mesh)[1] for mesh in MESHES]
     case.text("peer-minutes", f"{sum(float(note.split()[2]) for note in notes) / 60:.0f}")
@@ -273,7 +311,8 @@ def report(case, found, best, causes, theories):
     case.text("longest", 1e6 * peers[:, 2].max())
     of_frequencies(case)
     case.table(("bump", *(f"{name}: {what}" for name in ("ra2d", "calculix")
-                          for what in ("time, s", "impulse, N s", "duration, s", "largest pressure, Pa"))),
+                          for what in ("time, s", "impulse, N s", "duration, s",
+                                       "largest pressure, Pa"))),
                [(i + 1, *ours[i], *peers[i]) for i in range(len(BUMPS))])
     draw(case, found, best)
 
@@ -290,14 +329,16 @@ def of_frequencies(case):
     those of one mode by their order."""
     meshes = natural_frequencies()
     m, n = chosen_modes(len(meshes))
-    plain, shear = (theory(np.pi * np.hypot(m / LENGTH, n / WIDTH), each)[0] / 2 / np.pi for each in (False, True))
+    plain, shear = (theory(np.pi * np.hypot(m / LENGTH, n / WIDTH), each)[0] / 2 / np.pi
+                    for each in (False, True))
     rows = []
     for i in (0, 9, 19, 29):
         rows.append((f"{m[i]}, {n[i]}", f"{1e-3 * plain[i]:.2f}",
                      *(f"{100 * (each / plain[i] - 1):+.2f}" for each in (shear[i], *meshes[i]))))
     case.text("frequencies", common.markdown(
-        ("half-waves", "Kirchhoff, kHz", "with shear, %", *(f"{mesh.rsplit('-', 1)[0].replace('-', ' ')}, %"
-                                                            for mesh in OF_FREQUENCIES)), rows))
+        ("half-waves", "Kirchhoff, kHz", "with shear, %",
+         *(f"{mesh.rsplit('-', 1)[0].replace('-', ' ')}, %"
+           for mesh in OF_FREQUENCIES)), rows))
     for name, column in (("shear", shear), ("coarse", meshes[:, 0]), ("fine", meshes[:, 1])):
         case.text(f"frequency-{name}", f"{100 * (column[-1] / plain[-1] - 1):+.2f}")
     case.text("frequency", f"{1e-3 * plain[-1]:.0f}")

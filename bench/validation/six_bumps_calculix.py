@@ -45,7 +45,8 @@ MESHES = {"160-elements-2us": (4, 8, 2e-6),
           "160-elements-8us-fine-block": (4, 16, 8e-6)}
 BEST = next(iter(MESHES))  # one that takes minutes; what a finer mesh changes, the last two say
 OF_FREQUENCIES, FREQUENCIES = ("160-elements-8us", "640-elements-8us"), 40
-COLUMNS = ("time, s", "displacement of the probe, m", "contact force, N", "largest contact pressure, Pa")
+COLUMNS = ("time, s", "displacement of the probe, m", "contact force, N",
+           "largest contact pressure, Pa")
 CURVED = HEIGHT / 2 / (PITCH / 2)**2  # 1/m: a summit at (0, 0) falls by this times x^2 + y^2
 
 
@@ -91,7 +92,8 @@ class Mesh:
         faces = {}
         for i in range(counts[0]):
             for j in range(counts[1]):
-                order = [(a, b, k) for part, levels in ((corners, (0, 2)), (middles, (0, 2)), (corners, (1,)))
+                order = [(a, b, k) for part, levels in ((corners, (0, 2)), (middles, (0, 2)),
+                                                        (corners, (1,)))
                          for k in levels for a, b in part]
                 self.elements.append([place(2 * i + a, 2 * j + b, k) for a, b, k in order])
                 faces[i, j] = len(self.elements)
@@ -102,7 +104,8 @@ class Mesh:
 
 
 def of_set(name, numbers):
-    return [f"*NSET,NSET={name}", *(",".join(map(str, numbers[i:i + 12])) for i in range(0, len(numbers), 12))]
+    return [f"*NSET,NSET={name}",
+            *(",".join(map(str, numbers[i:i + 12])) for i in range(0, len(numbers), 12))]
 
 
 def input_text(mesh, frequencies=0):
@@ -116,11 +119,15 @@ def input_text(mesh, frequencies=0):
     plate = made.layer("plate", (0, 0, 0), (LENGTH, WIDTH), (along, across), flat,
                        lambda x, y: float(plate_heights(x, y)), THICKNESS)
     of_plate = len(made.elements)
-    block = made.layer("block", (START - BLOCK / 2, ROW - BLOCK / 2, THICKNESS + 2 * HEIGHT - OVERLAP), (BLOCK, BLOCK),
-                       (of_block, of_block), lambda x, y: -float(block_heights(x - START, y - ROW)), flat, 1e-3)
+    block = made.layer("block", (START - BLOCK / 2, ROW - BLOCK / 2,
+                                 THICKNESS + 2 * HEIGHT - OVERLAP), (BLOCK, BLOCK),
+                       (of_block, of_block), lambda x,
+                       y: -float(block_heights(x - START, y - ROW)), flat, 1e-3)
     of_both = len(made.elements)
-    lines = ["** Six bumps, made by bench/validation/six_bumps_calculix.py; mm, N, s, MPa, t", "*NODE,NSET=BODIES"]
-    lines += [",".join([str(i), *(f"{1e3 * each:.12g}" for each in place)]) for i, place in enumerate(made.nodes, 1)]
+    lines = ["** Six bumps, made by bench/validation/six_bumps_calculix.py; mm, N, s, MPa, t",
+             "*NODE,NSET=BODIES"]
+    lines += [",".join([str(i), *(f"{1e3 * each:.12g}" for each in place)])
+              for i, place in enumerate(made.nodes, 1)]
     for name, first, last in (("PLATE", 0, of_plate), ("BLOCK", of_plate, of_both)):
         lines.append(f"*ELEMENT,TYPE=C3D20R,ELSET={name}")
         for i in range(first, last):
@@ -131,27 +138,33 @@ def input_text(mesh, frequencies=0):
     lines += [f"{number},{500 + x},{500 + y},{z}" for number, (x, y, z) in zip(flying, (
         (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)))]
     lines += ["*ELEMENT,TYPE=C3D8,ELSET=FLYING", ",".join(map(str, [of_both + 1, *flying])),
-              "*MATERIAL,NAME=STEEL", "*ELASTIC", f"{1e-6 * YOUNG:.9g},{POISSON}", "*DENSITY", f"{1e-12 * DENSITY:.9g}"]
-    lines += [f"*SOLID SECTION,ELSET={name},MATERIAL=STEEL" for name in ("PLATE", "BLOCK", "FLYING")]
+              "*MATERIAL,NAME=STEEL", "*ELASTIC", f"{1e-6 * YOUNG:.9g},{POISSON}", "*DENSITY",
+              f"{1e-12 * DENSITY:.9g}"]
+    lines += [f"*SOLID SECTION,ELSET={name},MATERIAL=STEEL"
+              for name in ("PLATE", "BLOCK", "FLYING")]
     lines += of_set("ENDS", made.chosen("plate", lambda i, j, k: i in (0, 2 * along)))
     lines += of_set("SIDES", made.chosen("plate", lambda i, j, k: j in (0, 2 * across)))
     lines += of_set("SLIDING", made.chosen("block", lambda i, j, k: True))
     probe = [round(2e3 * place / side) for place in PROBE]
     lines += of_set("PROBE", made.chosen("plate", lambda i, j, k: [i, j] == probe and k == 0))
     if frequencies:
-        return "\n".join([*lines, "*BOUNDARY", "ENDS,2,3,0.", "SIDES,1,1,0.", "SIDES,3,3,0.", "SLIDING,1,3,0.", "FLYING,1,3,0.",
-                          "*STEP", "*FREQUENCY", str(frequencies), "*NODE PRINT,NSET=PROBE", "U", "*END STEP"]) + "\n"
+        return "\n".join([*lines, "*BOUNDARY", "ENDS,2,3,0.", "SIDES,1,1,0.", "SIDES,3,3,0.",
+                          "SLIDING,1,3,0.", "FLYING,1,3,0.",
+                          "*STEP", "*FREQUENCY", str(frequencies), "*NODE PRINT,NSET=PROBE", "U",
+                          "*END STEP"]) + "\n"
     lines += ["*INITIAL CONDITIONS,TYPE=VELOCITY", "FLYING,2,1e8", f"SLIDING,1,{1e3 * SPEED:.9g}"]
     lines += ["*SURFACE,NAME=MASTER", *(f"{number},S2" for (i, j), number in plate.items()
                                         if abs((j + 0.5) * side * 1e-3 - ROW) < PITCH / 2),
               "*SURFACE,NAME=SLAVE", *(f"{number},S1" for number in block.values()),
-              "*SURFACE INTERACTION,NAME=CONTACT", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", f"{1e-9 * STIFFNESS:.9g}",
+              "*SURFACE INTERACTION,NAME=CONTACT", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+              f"{1e-9 * STIFFNESS:.9g}",
               "*CONTACT PAIR,INTERACTION=CONTACT,TYPE=SURFACE TO SURFACE", "SLAVE,MASTER",
               "*BOUNDARY", "ENDS,2,3,0.", "SIDES,1,1,0.", "SIDES,3,3,0.", "SLIDING,2,3,0.",
               "*AMPLITUDE,NAME=SLIDE", f"0.,0.,1.,{1e3 * SPEED:.9g}",
               "*STEP,NLGEOM,INC=100000", "*DYNAMIC,DIRECT", f"{step:.9g},{DURATION:.9g}",
               "*BOUNDARY,AMPLITUDE=SLIDE", "SLIDING,1,1,1.", "*NODE PRINT,NSET=PROBE", "U",
-              "*CONTACT PRINT,SLAVE=SLAVE,MASTER=MASTER", "CF", "*CONTACT PRINT", "CDIS,CSTR", "*END STEP"]
+              "*CONTACT PRINT,SLAVE=SLAVE,MASTER=MASTER", "CF", "*CONTACT PRINT", "CDIS,CSTR",
+              "*END STEP"]
     return "\n".join(lines) + "\n"
 
 
@@ -170,11 +183,16 @@ def natural(ccx, folder):
     """Keeps the natural frequencies of the plate as the meshes have it."""
     columns = []
     for mesh in OF_FREQUENCIES:
-        lines = calculix.solve(ccx, input_text(mesh, FREQUENCIES))[0].split("P A R T I C I P")[0].splitlines()
-        columns.append([line.split()[3] for line in lines if len(line.split()) == 5 and line.split()[0].isdigit()])
+        lines = calculix.solve(ccx,
+                               input_text(mesh,
+                                          FREQUENCIES))[0].split("P A R T I C I P")[0].splitlines()
+        columns.append([line.split()[3] for line in lines if len(line.split()) == 5
+                        and line.split()[0].isdigit()])
     with open(folder / "six-bumps-frequencies.csv", "w", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows([[f"{mesh}: frequency, Hz" for mesh in OF_FREQUENCIES],
-                                                         *zip(*columns, strict=True)])
+        csv.writer(file,
+                   lineterminator="\n").writerows([[f"{mesh}: frequency, Hz"
+                                                    for mesh in OF_FREQUENCIES],
+                                                   *zip(*columns, strict=True)])
 
 
 def run(ccx, mesh, folder):

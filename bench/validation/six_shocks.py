@@ -20,12 +20,15 @@ import resource
 import numpy as np
 
 import common
-from six_shocks_calculix import (BEST, DENSITY, DURATION, HALF_WIDTH, HEIGHT, MESH_ALONE, MESHES, OVERLAP, PEAKS, PITCH, POISSON,
-                                 RESONATOR, SLIDER, SPEED, STIFFNESS, THICKNESS, WIDTH, YOUNG, input_text, peak)
+from six_shocks_calculix import (BEST, DENSITY, DURATION, HALF_WIDTH, HEIGHT, MESH_ALONE, MESHES,
+                                 OVERLAP, PEAKS, PITCH, POISSON,
+                                 RESONATOR, SLIDER, SPEED, STIFFNESS, THICKNESS, WIDTH, YOUNG,
+                                 input_text, peak)
 
 PLANE_STRAIN = YOUNG / (1 - POISSON**2)
 SPACING = 5e-6
-AUDIBLE, TEN, MORE = (6, 2), (10, 10), (20, 20)  # modes of resonator and slider: those up to 20 kHz, ten and twenty of each
+# modes of resonator and slider: those up to 20 kHz, ten and twenty of each
+AUDIBLE, TEN, MORE = (6, 2), (10, 10), (20, 20)
 MODES = (AUDIBLE, (8, 4), TEN, MORE, (40, 40))
 
 
@@ -42,23 +45,29 @@ def scene(case, modes, young, stiffness, scheme, setting):
             "resonator": profile(case, "resonator.csv", RESONATOR, PEAKS)}
 
     def body(name, length, count):
-        return {"support": "pinned", "length": length, "thickness": THICKNESS, "width": WIDTH, "young": young,
-                "density": DENSITY, "damping": 0.0, "modes": count, "surface": {"kind": "file", "path": f"{name}.csv"}}
+        return {"support": "pinned", "length": length, "thickness": THICKNESS, "width": WIDTH,
+                "young": young,
+                "density": DENSITY, "damping": 0.0, "modes": count,
+                "surface": {"kind": "file", "path": f"{name}.csv"}}
 
     return {
-        "scene": {"duration": DURATION, "speed": SPEED, "start": 0.0, "gap": 2 * HEIGHT - OVERLAP - sum(mean.values()),
+        "scene": {"duration": DURATION, "speed": SPEED, "start": 0.0,
+                  "gap": 2 * HEIGHT - OVERLAP - sum(mean.values()),
                   "spacing": SPACING, "initial": "rest"},
-        "resonator": body("resonator", RESONATOR, modes[0]), "slider": body("slider", SLIDER, modes[1]),
+        "resonator": body("resonator", RESONATOR, modes[0]),
+        "slider": body("slider", SLIDER, modes[1]),
         "contact": {"law": "penalty", "stiffness": stiffness},
         "time": {"scheme": scheme, "tolerance" if scheme == "adaptive" else "step": setting},
         "output": {"rate": 1e6, "slider_probes": [SLIDER / 2]},
     }
 
 
-def marched(case, modes=TEN, young=PLANE_STRAIN, stiffness=STIFFNESS, scheme="adaptive", setting=1e-9):
+def marched(case, modes=TEN, young=PLANE_STRAIN, stiffness=STIFFNESS, scheme="adaptive",
+            setting=1e-9):
     """Time, displacement of the summit, contact force, largest pressure, as the columns of
     six-shocks-*.csv, and the pressure at the summit."""
-    time, probe, force, lower, upper = case.run(scene(case, modes, young, stiffness, scheme, setting), "time",
+    time, probe, force, lower, upper = case.run(scene(case, modes, young, stiffness, scheme,
+                                                      setting), "time",
                                                 "slider_probes/displacement", "contact/force",
                                                 "resonator/displacement", "slider/displacement")
     near = np.arange(-HALF_WIDTH, HALF_WIDTH, SPACING)  # of the summit
@@ -66,7 +75,8 @@ def marched(case, modes=TEN, young=PLANE_STRAIN, stiffness=STIFFNESS, scheme="ad
     for i in np.flatnonzero(force):
         x = SLIDER / 2 + SPEED * time[i] + near
         gap = (2 * HEIGHT - OVERLAP - peak(near) - sum(peak(x - at) for at in PEAKS)
-               - shapes(SLIDER, modes[1], SLIDER / 2 + near) @ upper[i] - shapes(RESONATOR, modes[0], x) @ lower[i])
+               - shapes(SLIDER, modes[1], SLIDER / 2 + near) @ upper[i]
+               - shapes(RESONATOR, modes[0], x) @ lower[i])
         pressure[i] = stiffness * np.maximum(0, -np.array([gap.min(), gap[len(near) // 2]]))
     return np.column_stack([time, probe[:, 0], force, pressure])
 
@@ -87,7 +97,9 @@ def theory(length, count, shear):
     if not shear:
         return np.sqrt(PLANE_STRAIN * r2 / DENSITY) * k**2, np.full(count, DENSITY * THICKNESS)
     stiff = 5 / (6 - POISSON) * YOUNG / (2 * (1 + POISSON))
-    a, b, c = DENSITY * r2 / stiff, 1 + r2 * k**2 * (1 + PLANE_STRAIN / stiff), PLANE_STRAIN * r2 * k**4 / DENSITY
+    a, b, c = DENSITY * r2 / stiff, 1 + r2 * k**2 * (1
+                                                     + PLANE_STRAIN
+                                                     / stiff), PLANE_STRAIN * r2 * k**4 / DENSITY
     square = (b - np.sqrt(b**2 - 4 * a * c)) / (2 * a)
     turn = k - DENSITY * square / (stiff * k)  # of the cross section, over the deflection
     return np.sqrt(square), DENSITY * THICKNESS * (1 + r2 * turn**2)
@@ -96,7 +108,9 @@ def theory(length, count, shear):
 def meeting(shear, modes, spacing, speed=SPEED, overlap=OVERLAP):
     """Natural frequencies and masses of both beams' modes, what they make at the upper summit, and
     a function of time: what they make near it, and the gap of beams at rest there."""
-    omega, mass = map(np.concatenate, zip(*(theory(length, count, shear) for length, count in zip((RESONATOR, SLIDER), modes))))
+    omega, mass = map(np.concatenate,
+                      zip(*(theory(length, count, shear)
+                            for length, count in zip((RESONATOR, SLIDER), modes))))
     near = np.arange(-1.2e-3, 1.2e-3, spacing)
     face, upper = peak(near), shapes(SLIDER, modes[1], SLIDER / 2 + near)
 
@@ -105,7 +119,8 @@ def meeting(shear, modes, spacing, speed=SPEED, overlap=OVERLAP):
         off = x - min(PEAKS, key=lambda at: abs(at - x))
         if abs(off) > 1.2e-3:
             return np.zeros((1, len(omega))), np.ones(1)
-        return np.hstack([shapes(RESONATOR, modes[0], x + near), upper]), 2 * HEIGHT - overlap - face - peak(near + off)
+        return np.hstack([shapes(RESONATOR, modes[0], x + near),
+                          upper]), 2 * HEIGHT - overlap - face - peak(near + off)
     return omega, mass, np.append(np.zeros(modes[0]), shapes(SLIDER, modes[1], [SLIDER / 2])), faces
 
 
@@ -139,7 +154,8 @@ def in_steps(step, modes=TEN, spacing=2e-5, alpha=-0.05):
             pressure = STIFFNESS * np.maximum(0, shape @ u - gap)
             force = mass * omega**2 * u + spacing * (pressure @ shape)
             touching = shape[pressure > 0]
-            change = np.linalg.solve(np.diag(mass * (1 + share * omega**2)) + share * STIFFNESS * spacing * touching.T @ touching,
+            change = np.linalg.solve(np.diag(mass * (1 + share * omega**2))
+                                     + share * STIFFNESS * spacing * touching.T @ touching,
                                      mass * new + (1 + alpha) * force - alpha * last)
             new = new - change
             if np.abs(change).max() <= 1e-9 * np.abs(new).max():
@@ -157,7 +173,8 @@ def shocks(found, speed=SPEED):
         part = found[np.abs(SLIDER / 2 + speed * found[:, 0] - at) <= PITCH / 2]
         time, force = part[:, 0], part[:, 2]
         impulse = np.trapz(force, time)
-        rows.append((np.trapz(force * time, time) / impulse if impulse else np.nan, impulse, force.max(), part[:, 3].max()))
+        rows.append((np.trapz(force * time, time) / impulse if impulse else np.nan, impulse,
+                     force.max(), part[:, 3].max()))
     return np.array(rows)
 
 
@@ -168,7 +185,8 @@ def calculix(mesh):
     return np.array(rows, dtype=float), float(note.split(":")[1].split()[0]), note.split()[-1]
 
 
-MEASURES = ("times, s", "impulses, over the largest", "pressures, over their own", "displacement of the summit, over the largest")
+MEASURES = ("times, s", "impulses, over the largest", "pressures, over their own",
+            "displacement of the summit, over the largest")
 
 
 def apart(first, second, many=len(PEAKS)):
@@ -185,7 +203,8 @@ def displaced(first, second, many=len(PEAKS)):
     after so many."""
     until = (PEAKS[0] + many * PITCH - HALF_WIDTH / 2 - SLIDER / 2) / SPEED
     second = second[second[:, 0] < until]
-    return np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1]) - second[:, 1]).max() / np.abs(second[:, 1]).max()
+    return np.abs(np.interp(second[:, 0], first[:, 0], first[:, 1])
+                  - second[:, 1]).max() / np.abs(second[:, 1]).max()
 
 
 def differences(first, second, many=len(PEAKS)):
@@ -196,13 +215,17 @@ def differences(first, second, many=len(PEAKS)):
 def compare(case):
     kept = (common.ROOT / "docs" / "validation" / "six-shocks.inp").read_text().splitlines()
     case.check("CalculiX: lines of the input that are not those of its kept results",
-               len(set(kept) ^ set(input_text(BEST).splitlines())), 0.5, "the results are of this scene")
+               len(set(kept) ^ set(input_text(BEST).splitlines())), 0.5,
+               "the results are of this scene")
     best, found, plain, shear = calculix(BEST)[0], marched(case), by_hand(False), by_hand(True)
     rough = differences(by_hand(False, step=8e-7, spacing=4e-5), plain)
     for what, ours, most in zip(MEASURES, differences(found, plain), rough):
-        case.check(f"ra2d beside the same modes by hand: {what}", ours, most, "what these move with twice their step and spacing")
-    for what, with_shear, without in zip(MEASURES, differences(shear, best), differences(found, best)):
-        case.check(f"beams with shear by hand, from CalculiX over ra2d from CalculiX: {what}", with_shear / without, 1,
+        case.check(f"ra2d beside the same modes by hand: {what}", ours, most,
+                   "what these move with twice their step and spacing")
+    for what, with_shear, without in zip(MEASURES, differences(shear, best),
+                                         differences(found, best)):
+        case.check(f"beams with shear by hand, from CalculiX over ra2d from CalculiX: {what}",
+                   with_shear / without, 1,
                    "if shear is the difference, beams that have it are nearer")
     if not case.short:
         report(case, found, best, plain, shear)
@@ -239,20 +262,28 @@ def percent(share):
 
 def report(case, found, best, plain, shear):
     step, (coarse, fine) = MESHES[BEST][-1], (calculix(mesh)[0] for mesh in MESH_ALONE)
-    causes = {"shear and rotary inertia": (shear, plain), f"CalculiX's steps of {in_us(step)} us": (in_steps(step), shear),
+    causes = {"shear and rotary inertia": (shear, plain),
+              f"CalculiX's steps of {in_us(step)} us": (in_steps(step), shear),
               f"{MORE[0]} modes of each beam instead of {TEN[0]}": (marched(case, MORE), found),
-              f"its mesh: {of_mesh(MESH_ALONE[1])}, instead of {of_mesh(MESH_ALONE[0])}": (fine, coarse)}
-    case.text("audible", " and ".join(f"{(theory(length, 40, False)[0] < 2 * np.pi * 20e3).sum()} of the {which} beam"
-                                      for which, length in (("lower", RESONATOR), ("upper", SLIDER))))
-    of = {"ra2d": shocks(found), "calculix": shocks(best), "audible": shocks(marched(case, AUDIBLE))}
+              f"its mesh: {of_mesh(MESH_ALONE[1])}, instead of {of_mesh(MESH_ALONE[0])}":
+              (fine, coarse)}
+    case.text("audible",
+              " and ".join(f"{(theory(length, 40, False)[0] < 2 * np.pi * 20e3).sum()} of the "
+                           f"{which} beam"
+                           for which, length in (("lower", RESONATOR), ("upper", SLIDER))))
+    of = {"ra2d": shocks(found), "calculix": shocks(best),
+          "audible": shocks(marched(case, AUDIBLE))}
     rows = []
     for i in range(len(PEAKS)):
         peer, ours, few = (of[name][i] for name in ("calculix", "ra2d", "audible"))
-        rows.append((i + 1, f"{1e6 * peer[0]:.1f}", f"{1e6 * (ours[0] - peer[0]):+.1f}", f"{1e6 * (few[0] - peer[0]):+.1f}",
-                     f"{1e6 * peer[1]:.3f}", f"{100 * (ours[1] / peer[1] - 1):+.1f}", f"{100 * (few[1] / peer[1] - 1):+.1f}",
+        rows.append((i + 1, f"{1e6 * peer[0]:.1f}", f"{1e6 * (ours[0] - peer[0]):+.1f}",
+                     f"{1e6 * (few[0] - peer[0]):+.1f}",
+                     f"{1e6 * peer[1]:.3f}", f"{100 * (ours[1] / peer[1] - 1):+.1f}",
+                     f"{100 * (few[1] / peer[1] - 1):+.1f}",
                      f"{1e-3 * peer[3]:.1f}", f"{100 * (ours[3] / peer[3] - 1):+.1f}"))
     case.text("shocks", common.markdown(
-        ("peak", "CalculiX: time, us", "ra2d, ten modes, us", "audible modes, us", "CalculiX: impulse, uN s", "ra2d, %",
+        ("peak", "CalculiX: time, us", "ra2d, ten modes, us", "audible modes, us",
+         "CalculiX: impulse, uN s", "ra2d, %",
          "audible modes, %", "CalculiX: largest pressure, kPa", "ra2d, %"), rows))
     many = marched(case, MODES[-1])
     for name, modes in (("ten", TEN), ("audible", AUDIBLE)):
@@ -260,38 +291,47 @@ def report(case, found, best, plain, shear):
         case.text(f"{name}-impulses", row(marched(case, modes), many)[1])
     head = ("", "times, us", "impulses, %", "pressures, %", "displacement, %",
             "from forty modes: times, us", "impulses, %", "takes, s")
-    rows = {(lower, upper): of_answers(case, f"{lower} and {upper} modes", {"modes": (lower, upper)}, best, many)
+    rows = {(lower, upper): of_answers(case, f"{lower} and {upper} modes",
+                                       {"modes": (lower, upper)}, best, many)
             for lower, upper in MODES}
     case.text("modes", common.markdown(head, rows.values()))
     case.text("seconds-ra2d", rows[TEN][-1])
     case.text("choices", common.markdown(head, [
         ("ten modes, `adaptive`, 1e-9", *rows[TEN][1:]),
-        of_answers(case, "`backward-euler`, 1e-7 s", {"scheme": "backward-euler", "setting": 1e-7}, best, many),
-        of_answers(case, "`backward-euler`, 1e-8 s", {"scheme": "backward-euler", "setting": 1e-8}, best, many),
+        of_answers(case, "`backward-euler`, 1e-7 s", {"scheme": "backward-euler", "setting": 1e-7},
+                   best, many),
+        of_answers(case, "`backward-euler`, 1e-8 s", {"scheme": "backward-euler", "setting": 1e-8},
+                   best, many),
         of_answers(case, "E instead of E/(1 - nu²)", {"young": YOUNG}, best, many)]))
     case.text("steps", common.markdown(
-        ("CalculiX", *(f"{name}: {what}" for name in ("ra2d", "with shear") for what in ("times, us", "impulses, %")),
+        ("CalculiX", *(f"{name}: {what}" for name in ("ra2d", "with shear")
+                       for what in ("times, us", "impulses, %")),
          "with shear, in its steps: times, us", "impulses, %", "pressures, %", "displacement, %"),
-        [(of_mesh(mesh), *row(found, peer)[:2], *row(shear, peer)[:2], *row(in_steps(MESHES[mesh][-1]), peer))
+        [(of_mesh(mesh), *row(found, peer)[:2], *row(shear, peer)[:2],
+          *row(in_steps(MESHES[mesh][-1]), peer))
          for mesh, peer in ((mesh, calculix(mesh)[0]) for mesh in MESHES)]))
     coarse, fine = (calculix(f"{elements}-elements-2us")[0] for elements in (280, 720))
     case.text("mesh", row(fine, coarse)[0])
     for name, peer in (("coarse", coarse), ("fine", fine)):
         case.text(f"{name}-left", row(in_steps(2e-6), peer)[0])
-    case.text("causes", common.markdown(("", "times, us", "impulses, %", "pressures, %", "displacement, %"), [
+    case.text("causes",
+              common.markdown(("", "times, us", "impulses, %", "pressures, %", "displacement, %"), [
         (what, *row(*pair)) for what, pair in causes.items()]))
     faster = [shocks(by_hand(each, speed=10.0, overlap=2e-7), 10.0) for each in (True, False)]
     case.text("faster-times", in_us(apart(*faster)[0]))
     case.text("faster-impulses", percent(apart(*faster)[1]))
     for name, so_many in (("two", 2), ("five", 5), ("all", len(PEAKS))):
-        for measure, ours, hand in zip(("times", "impulses", "pressures", "displacement"), row(found, best, so_many),
+        for measure, ours, hand in zip(("times", "impulses", "pressures", "displacement"),
+                                       row(found, best, so_many),
                                        row(shear, best, so_many)):
             case.text(f"{name}-{measure}", ours)
             case.text(f"{name}-{measure}-shear", hand)
-    touched = [best[(best[:, 2] > 0) & (np.abs(SLIDER / 2 + SPEED * best[:, 0] - at) <= PITCH / 2), 0] for at in PEAKS]
+    touched = [best[(best[:, 2] > 0) & (np.abs(SLIDER / 2 + SPEED * best[:, 0] - at) <= PITCH / 2),
+                    0] for at in PEAKS]
     for name, at in (("shortest", 0), ("longest", -1)):
         case.text(name, 1e6 * sorted(np.ptp(times) for times in touched)[at])
-    summits = [found[np.abs(SLIDER / 2 + SPEED * found[:, 0] - at) <= PITCH / 2, 4].max() for at in PEAKS]
+    summits = [found[np.abs(SLIDER / 2 + SPEED * found[:, 0] - at) <= PITCH / 2, 4].max()
+               for at in PEAKS]
     case.text("summit", 1e-3 * max(summits))
     case.text("bare", str(sum(pressure == 0 for pressure in summits)))
     for name, stiffness in (("", STIFFNESS), ("-stiff", 1e15)):
@@ -304,7 +344,9 @@ def report(case, found, best, plain, shear):
     for name, mesh in (("", BEST), ("fine-", MESH_ALONE[1])):
         text = input_text(mesh)
         case.text(f"{name}nodes", str(text.split("NSET=BEAMS\n")[1].split("*")[0].count("\n")))
-        case.text(f"{name}elements", str(sum(part.split("*")[0].count("\n") - 1 for part in text.split("TYPE=CPE6")[1:])))
+        case.text(f"{name}elements",
+                  str(sum(part.split("*")[0].count("\n") - 1
+                          for part in text.split("TYPE=CPE6")[1:])))
         case.text(f"{name}step", 1e6 * MESHES[mesh][-1], 1)
     columns = ("time, s", "impulse, N s", "largest force, N", "largest pressure, Pa")
     case.table(("peak", *(f"{name}: {what}" for name in of for what in columns)),
@@ -321,7 +363,8 @@ def local_compliance(force, stiffness):
     load, width = force / WIDTH, HALF_WIDTH / np.sqrt(4 * HEIGHT)
     overlap = (0.75 * load / (stiffness * width))**(2 / 3)
     a = width * np.sqrt(overlap)
-    return 2 * load / (np.pi * PLANE_STRAIN) * (2 * np.log(THICKNESS / a) - POISSON / (1 - POISSON)) / overlap, 2 * a
+    return 2 * load / (np.pi * PLANE_STRAIN) * (2 * np.log(THICKNESS / a)
+                                                - POISSON / (1 - POISSON)) / overlap, 2 * a
 
 
 def draw(case, found, best):
@@ -330,10 +373,12 @@ def draw(case, found, best):
     figure = plt.figure(figsize=(7, 6), layout="constrained")
     grid = figure.add_gridspec(2, len(PEAKS))
     axes = figure.add_subplot(grid[0, :])
-    lines = ((best, "CalculiX", style.BLACK, "-", 1.8), (found, "ra2d, ten modes", style.SKY, "-", 1.0),
+    lines = ((best, "CalculiX", style.BLACK, "-", 1.8),
+             (found, "ra2d, ten modes", style.SKY, "-", 1.0),
              (few, "ra2d, audible modes", style.RUST, ":", 1.2))
     for each, label, colour, line, width in lines:
-        axes.plot(1e3 * each[::6, 0], 1e9 * each[::6, 1], color=colour, ls=line, lw=width, label=label)
+        axes.plot(1e3 * each[::6, 0], 1e9 * each[::6, 1], color=colour, ls=line, lw=width,
+                  label=label)
     axes.set(title="Displacement of the summit", xlabel="ms", ylabel="nm")
     axes.legend(loc="upper left", ncols=3)
     first = None

@@ -20,15 +20,19 @@ RQ, SPEEDS, SEEDS = (2e-6, 8e-6, 20e-6), (0.02, 0.1, 0.5), 3
 WIDTH = 0.2                     # m
 AT = (0.15, 0.1, 0.5)           # m, half a metre above the plate's middle
 AIR, SOUND = 1.2041, 343.232    # kg/m^3, m/s
-FILTER_HALF_LENGTH, EDGE, SHARPNESS = 133, 0.955, 18.88  # the program's low pass: samples, of half the rate, of Kaiser's window
+# the program's low pass: samples, of half the rate, of Kaiser's window
+FILTER_HALF_LENGTH, EDGE, SHARPNESS = 133, 0.955, 18.88
 
 
 def run(case, name, **sets):
     """A run of the paper's scene, and what `ra2d analyze` hears of it."""
     file = case.scratch / f"{name}.h5"
-    words = [word for key, value in sets.items() for word in ("--set", f"{key}={common.to_toml(value)}")]
-    case.call(case.program, "run", common.ROOT / "scenes" / "dang2012.toml", "-o", file, "--quiet", *words)
-    return file, json.loads(case.call(case.program, "analyze", file, "--json", "--power", "--at", ",".join(map(str, AT))))
+    words = [word for key, value in sets.items()
+             for word in ("--set", f"{key}={common.to_toml(value)}")]
+    case.call(case.program, "run", common.ROOT / "scenes" / "dang2012.toml", "-o", file,
+              "--quiet", *words)
+    return file, json.loads(case.call(case.program, "analyze", file, "--json", "--power", "--at",
+                                      ",".join(map(str, AT))))
 
 
 def by_numpy(file, to, cells=(300, 150)):
@@ -41,7 +45,9 @@ def by_numpy(file, to, cells=(300, 150)):
     lines = np.fft.rfft(velocity, length, axis=0)
     frequency = np.fft.rfftfreq(length, 1 / rate)
     kept = np.zeros(length)
-    kept[np.arange(-FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)] = EDGE * np.sinc(EDGE * np.arange(-FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)) * np.kaiser(2 * FILTER_HALF_LENGTH + 1, SHARPNESS)
+    kept[np.arange(-FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)] = EDGE * np.sinc(EDGE * np.arange(
+        -FILTER_HALF_LENGTH, FILTER_HALF_LENGTH + 1)) * np.kaiser(2 * FILTER_HALF_LENGTH
+                                                                  + 1, SHARPNESS)
     kept = np.fft.rfft(kept).real
     x = (np.arange(cells[0]) + 0.5) / cells[0] * LENGTH
     y = (np.arange(cells[1]) + 0.5) / cells[1] * WIDTH
@@ -58,9 +64,11 @@ def by_numpy(file, to, cells=(300, 150)):
 
 
 def check_numpy(case):
-    file, found = run(case, "numpy", **{**NUMERICS, "scene.duration": 0.05, "resonator.max_frequency": 2e3, "output.rate": 2e4})
+    file, found = run(case, "numpy", **{**NUMERICS, "scene.duration": 0.05,
+                                        "resonator.max_frequency": 2e3, "output.rate": 2e4})
     level = 10 * np.log10(by_numpy(file, found["microphones"][0]["to"]) / 20e-6**2)
-    case.check("level at the microphone beside numpy's sum over the plate, dB", abs(found["microphones"][0]["lp"] - level),
+    case.check("level at the microphone beside numpy's sum over the plate, dB",
+               abs(found["microphones"][0]["lp"] - level),
                0.01, "the midpoint rule over 1 mm and 1.3 mm, at 9 kHz 1e-3 of an amplitude")
 
 
@@ -68,7 +76,8 @@ def of_file(found):
     """{quantity: its logarithm}, of things like v_rms."""
     microphone = found["microphones"][0]
     return {"vibration, v_rms": np.log10(found["v_rms"]), "pressure": microphone["lp"] / 20,
-            "pressure, A-weighted": microphone["lpa"] / 20, "square root of the power": found["power"]["lw"] / 20}
+            "pressure, A-weighted": microphone["lpa"] / 20,
+            "square root of the power": found["power"]["lw"] / 20}
 
 
 def compare(case):
@@ -79,8 +88,10 @@ def compare(case):
     for seed in range(SEEDS):
         for rq in RQ:
             for speed in SPEEDS:
-                sets = {**NUMERICS, "output.rate": 1e5, "scene.speed": speed, "scene.duration": min(1.0, DISTANCE / speed),
-                        "resonator.surface.rq": rq, "slider.surface.rq": rq, "resonator.surface.seed": 1000 + 2 * seed,
+                sets = {**NUMERICS, "output.rate": 1e5, "scene.speed": speed,
+                        "scene.duration": min(1.0, DISTANCE / speed),
+                        "resonator.surface.rq": rq, "slider.surface.rq": rq,
+                        "resonator.surface.seed": 1000 + 2 * seed,
                         "slider.surface.seed": 1001 + 2 * seed}
                 file, found = run(case, "run", **sets)
                 file.unlink()
@@ -120,7 +131,8 @@ def report(case, logs, bands):
     case.text("seeds", f"{SEEDS}")
     case.text("runs", f"{SEEDS * len(RQ) * len(SPEEDS)}")
     case.text("exponents", common.markdown(("", "n", "m", "V <= 0.1 m/s: n", "m"),
-                                           [(key, *(shown(*each) for each in four)) for key, four in found.items()]))
+                                           [(key, *(shown(*each) for each in four))
+                                            for key, four in found.items()]))
     for key, name in (("pressure", "p"), ("pressure, A-weighted", "pa"), ("vibration, v_rms", "v")):
         case.text(f"n-{name}", shown(*found[key][0]))
         case.text(f"m-{name}", shown(*found[key][1]))
@@ -136,9 +148,11 @@ def report(case, logs, bands):
     ratios = {speed: [ratio(one) for one in some] for speed, some in bands.items()}
     centres = sorted(set.intersection(*(set(one) for some in ratios.values() for one in some)))
     case.table(("band, Hz", *(f"Lp - Lv at {speed:g} m/s, dB" for speed in ratios)),
-               [(f"{centre:.4g}", *(f"{np.mean([one[centre] for one in some]):.2f}" for some in ratios.values()))
+               [(f"{centre:.4g}",
+                 *(f"{np.mean([one[centre] for one in some]):.2f}" for some in ratios.values()))
                 for centre in centres])
-    low, high = ([np.mean([one[centre] for one in ratios[0.1]]) for centre in centres if (centre > HIGH) == above]
+    low, high = ([np.mean([one[centre] for one in ratios[0.1]]) for centre in centres
+                  if (centre > HIGH) == above]
                  for above in (False, True))
     case.text("low", f"{np.mean(low):.0f}")
     case.text("high", f"{np.mean(high):.0f}")
@@ -146,7 +160,8 @@ def report(case, logs, bands):
     figure, axes = plt.subplots(figsize=(7.2, 3.2), layout="constrained")
     for (speed, some), colour, mark in zip(ratios.items(), style.SERIES, style.MARKS):
         mid, half = np.array([mean([one[centre] for one in some]) for centre in centres]).T
-        axes.errorbar(centres, mid, half, color=colour, marker=mark, ms=4, lw=1, capsize=2, label=f"{speed:g} m/s")
+        axes.errorbar(centres, mid, half, color=colour, marker=mark, ms=4, lw=1, capsize=2,
+                      label=f"{speed:g} m/s")
     axes.set(xscale="log", xlabel="frequency [Hz]", ylabel="Lp - Lv [dB re 20 µPa, 1 nm/s]")
     axes.legend(title="speed")
     case.figure(figure)

@@ -20,7 +20,8 @@ from scipy import stats
 import common
 
 NAMES = ("Rq", "Rt", "Rz", "Ra", "Rku", "RSm")
-ROWS = ((2, 12.8, 6.0, 1.7, 3.6, 1574), (4, 27.8, 12.2, 3.5, 4.6, 1520), (8, 53.0, 23.5, 6.8, 3.6, 1560),
+ROWS = ((2, 12.8, 6.0, 1.7, 3.6, 1574), (4, 27.8, 12.2, 3.5, 4.6, 1520),
+        (8, 53.0, 23.5, 6.8, 3.6, 1560),
         (12, 86.7, 36.1, 10.4, 3.8, 1552), (20, 138, 61, 17.6, 4.2, 1546))  # um, but for Rku
 LENGTH, SPACING, SAMPLING = 0.3, 8e-6, 2.5e-3  # m
 SECTIONS = round(LENGTH / SAMPLING)
@@ -32,14 +33,17 @@ FLAT = 1.8  # kurtosis of a uniform distribution
 def generated(case, row, kurtosis, seed):
     """The file of a profile."""
     file = case.scratch / "profile.csv"
-    case.call(case.program, "surface", "generate", "-o", file, "--length", LENGTH, "--spacing", SPACING, "--rq", f"{row[0]}e-6",
-              "--rsm", f"{row[5] / CROSSING:.6g}e-6", "--kurtosis", kurtosis, "--seed", seed, "--quiet")
+    case.call(case.program, "surface", "generate", "-o", file, "--length", LENGTH, "--spacing",
+              SPACING, "--rq", f"{row[0]}e-6",
+              "--rsm", f"{row[5] / CROSSING:.6g}e-6", "--kurtosis", kurtosis, "--seed",
+              seed, "--quiet")
     return file
 
 
 def measured(case, file):
     """NAMES of a profile [um, but for Rku]."""
-    found = json.loads(case.call(case.program, "surface", "measure", file, "--filter", "none", "--cutoff", SAMPLING,
+    found = json.loads(case.call(case.program, "surface", "measure", file, "--filter", "none",
+                                 "--cutoff", SAMPLING,
                                  "--sampling-lengths", "all", "--json"))["parameters"]
     return [found[name] * (1 if name == "Rku" else 1e6) for name in NAMES]
 
@@ -49,8 +53,10 @@ def by_numpy(z):
     sampling lengths."""
     z = z - z.mean()
     rq = np.sqrt((z**2).mean())
-    ends = len(z) * np.arange(1, SECTIONS) // SECTIONS  # a sampling length is no whole number of nodes
-    return {"Rq": rq, "Rt": np.ptp(z), "Rz": np.mean([np.ptp(part) for part in np.split(z, ends)]), "Ra": np.abs(z).mean(),
+    # a sampling length is no whole number of nodes
+    ends = len(z) * np.arange(1, SECTIONS) // SECTIONS
+    return {"Rq": rq, "Rt": np.ptp(z), "Rz": np.mean([np.ptp(part) for part in np.split(z, ends)]),
+            "Ra": np.abs(z).mean(),
             "Rku": (z**4).mean() / rq**4}
 
 
@@ -78,11 +84,14 @@ def compare(case):
     bias = max(spread_of_rq(row) for row in rows)
     ratio = np.sqrt(2 / np.pi)
     for name, values, expected, of_bias in (
-            ("Ra/Rq", normal[:, NAMES.index("Ra")] / normal[:, NAMES.index("Rq")], ratio, bias / 8 * ratio),
+            ("Ra/Rq", normal[:, NAMES.index("Ra")] / normal[:, NAMES.index("Rq")], ratio,
+             bias / 8 * ratio),
             ("Rku", normal[:, NAMES.index("Rku")], 3, 3 * bias)):
-        case.check(f"normal heights: mean {name}, from {common.shown(expected, 3)}", abs(values.mean() - expected),
+        case.check(f"normal heights: mean {name}, from {common.shown(expected, 3)}",
+                   abs(values.mean() - expected),
                    stats.t.ppf(0.9999, len(values) - 1) * stats.sem(values) + of_bias,
-                   f"{len(values)} profiles: beyond by chance once in 5000 times; and what a finite length leaves out")
+                   f"{len(values)} profiles: beyond by chance once in 5000 times; and what a "
+                   "finite length leaves out")
     if not case.short:
         report(case, found)
 
@@ -90,14 +99,17 @@ def compare(case):
 def against_numpy(case, kind, row, file, profile):
     z = 1e6 * np.loadtxt(file, delimiter=",", skiprows=2, usecols=1)
     options = np.abs(by_numpy(z)["Rq"] / row[0] - 1)
-    case.check("Rq over the one asked for, from 1", options, (z**2).max() / row[0]**2 / len(z), "the weight of one node at an end")
+    case.check("Rq over the one asked for, from 1", options, (z**2).max() / row[0]**2 / len(z),
+               "the weight of one node at an end")
     for name, value in by_numpy(z[:-1]).items():  # the last point begins another sampling length
-        case.check("`surface measure` beside the definitions, in numpy", abs(profile[NAMES.index(name)] / value - 1), 1e-10,
+        case.check("`surface measure` beside the definitions, in numpy",
+                   abs(profile[NAMES.index(name)] / value - 1), 1e-10,
                    f"roundings of sums over {len(z)} heights")
 
 
 def report(case, found):
-    words = {"normal": "normal heights", "row's": "heights of the row's Rku", "flat": f"flat heights, Rku {FLAT}"}
+    words = {"normal": "normal heights", "row's": "heights of the row's Rku",
+             "flat": f"flat heights, Rku {FLAT}"}
     within = {kind: np.zeros(len(NAMES), int) for kind in words}
     table, numbers = [], []
     for row in ROWS:
@@ -108,12 +120,15 @@ def report(case, found):
             within[kind] += (low <= row) & (row <= high)
             table.append((name, *(f"{m:.4g}" if key == "Rq" else f"{m:.4g} ({a:.4g} to {b:.4g})"
                                   for key, a, m, b in zip(NAMES, low, middle, high))))
-            numbers += [(name, row[0], what, *values) for what, values in (("5 %", low), ("median", middle), ("95 %", high))]
-    case.table(("heights", "row: Rq, um", "of the seeds", *(name if name == "Rku" else f"{name}, um" for name in NAMES)), numbers)
+            numbers += [(name, row[0], what, *values)
+                        for what, values in (("5 %", low), ("median", middle), ("95 %", high))]
+    case.table(("heights", "row: Rq, um", "of the seeds",
+                *(name if name == "Rku" else f"{name}, um" for name in NAMES)), numbers)
     head = [name if name == "Rku" else f"{name}, um" for name in NAMES]
     case.text("table", common.markdown(("", *head), table))
     case.text("within", common.markdown(("", *NAMES[1:-1]), [
-        (name, *(f"{count} of {len(ROWS)}" for count in within[kind][1:-1])) for kind, name in words.items()]))
+        (name, *(f"{count} of {len(ROWS)}" for count in within[kind][1:-1]))
+        for kind, name in words.items()]))
     case.text("crossing", f"{CROSSING}")
     case.text("seeds", str(SEEDS))
     ratios = [row[3] / row[0] for row in ROWS]
@@ -135,18 +150,26 @@ def report(case, found):
 
 def draw(case, found, words):
     plt, style = common.pictures()
-    figure, (panels, foot) = plt.subplots(2, 4, figsize=(7, 3.4), layout="constrained", sharey="row",
-                                          gridspec_kw={"height_ratios": (8, 1.7)})  # the legend stands in the foot
-    shown = (("Rt", lambda of: of("Rt") / of("Rq"), "Rt / Rq"), ("Rz", lambda of: of("Rz") / of("Rq"), "Rz / Rq"),
-             ("Ra", lambda of: of("Ra") / of("Rq"), "Ra / Rq"), ("Rku", lambda of: of("Rku"), "Rku"))
+    # the legend stands in the foot
+    figure, (panels, foot) = plt.subplots(2, 4, figsize=(7, 3.4), layout="constrained",
+                                          sharey="row",
+                                          gridspec_kw={"height_ratios": (8, 1.7)})
+    shown = (("Rt", lambda of: of("Rt") / of("Rq"), "Rt / Rq"),
+             ("Rz", lambda of: of("Rz") / of("Rq"), "Rz / Rq"),
+             ("Ra", lambda of: of("Ra") / of("Rq"), "Ra / Rq"),
+             ("Rku", lambda of: of("Rku"), "Rku"))
     rows = np.arange(len(ROWS))
     for axes, (_, value, title) in zip(panels, shown):
         for j, (kind, colour) in enumerate(zip(words, (style.BLUE, style.RUST, style.GREEN))):
-            middle, low, high = np.array([np.percentile(value(lambda name: found[row, kind][:, NAMES.index(name)]), (50, 5, 95))
-                                          for row in ROWS]).T
-            axes.errorbar(middle, rows + 0.2 * (j - 1), xerr=(middle - low, high - middle), fmt=style.MARKS[j], ms=3.5,
+            middle, low, high = np.array(
+                [np.percentile(value(lambda name: found[row, kind][:, NAMES.index(name)]),
+                               (50, 5, 95))
+                 for row in ROWS]).T
+            axes.errorbar(middle, rows + 0.2 * (j - 1), xerr=(middle - low, high - middle),
+                          fmt=style.MARKS[j], ms=3.5,
                           color=colour, lw=1, label=words[kind])
-        axes.plot([value(lambda name: row[NAMES.index(name)]) for row in ROWS], rows, "x", color=style.BLACK, ms=6, mew=1.5,
+        axes.plot([value(lambda name: row[NAMES.index(name)]) for row in ROWS], rows, "x",
+                  color=style.BLACK, ms=6, mew=1.5,
                   label="the paper's table")
         axes.set(title=title)
         axes.grid(axis="y", visible=False)

@@ -28,7 +28,8 @@ def warm() -> Iterator[dict[str, str]]:
 
 
 @pytest.fixture(autouse=True)
-def _in_folder(folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch, result: ra2d.Result, study: ra2d.Study) -> None:
+def _in_folder(folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch, result: ra2d.Result,
+               study: ra2d.Study) -> None:
     monkeypatch.chdir(folder)
 
 
@@ -42,14 +43,16 @@ def base() -> ra2d.Scene:
 def result(folder: pathlib.Path, base: ra2d.Scene) -> ra2d.Result:
     """A second of sliding, with a probe between the places of the shapes and one on one of them."""
     with pytest.warns(ra2d.Notice, match="contact.stiffness"):
-        return ra2d.run(base, {"output.probes": [0.15, 0.152]}, output=folder / "cube.h5", show=False)
+        return ra2d.run(base, {"output.probes": [0.15, 0.152]},
+                        output=folder / "cube.h5", show=False)
 
 
 @pytest.fixture(scope="session")
 def study(folder: pathlib.Path, base: ra2d.Scene) -> ra2d.Study:
     both = ("resonator.surface.rq", "slider.surface.rq")
     with pytest.warns(ra2d.Notice, match="contact.stiffness"):
-        return ra2d.study(base.change(duration=0.02, rate=1e4), {"speed": [0.1, 0.2, 0.4], both: [4e-6, 8e-6]}, seeds=2,
+        return ra2d.study(base.change(duration=0.02, rate=1e4),
+                          {"speed": [0.1, 0.2, 0.4], both: [4e-6, 8e-6]}, seeds=2,
                           folder=folder / "small", show=False)
 
 

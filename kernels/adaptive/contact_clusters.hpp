@@ -381,7 +381,7 @@ class ContactClusters {
         ++g;
       }
       buffers_.first[count_] = g;
-      RA2D_CHECK(g <= buffers_.capacity);
+      RA2D_CHECK(g <= contacts_.count / width + most_clusters);
     }
     lanes_.sync();
   }

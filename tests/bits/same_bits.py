@@ -44,7 +44,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # -------------------------------------------------------------------------------------
 
 COST = {f"summary/{name}" for name in ("nodes_evaluated", "step_seconds", "wall_seconds")}
-PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}  # attributes of a file
+# attributes of a file
+PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}
 # which files of older programs lack
 ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rate_low",
          "summary/shock_rate_high",
@@ -53,7 +54,8 @@ ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rat
          *(f"{body}/{name}" for body in ("resonator", "slider")
            for name in ("position", "y", "shape_x", "shape_y"))}
 RENAMED = {"shocks/serial": "shocks/shock"}  # since format 3
-COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}  # doubles in format 2, integers in 3
+# doubles in format 2, integers in 3
+COUNTS = {"shocks/shock", "contact/nodes", "resonator/mode", "slider/mode"}
 
 
 def read(path):
@@ -97,7 +99,8 @@ def difference_of(a, b):
         return f"{text}: the sign of zero"
     scale = max(abs(a), abs(b))
     relative = f", relative {abs(b - a) / scale:.2g}" if math.isfinite(scale) else ""
-    return f"{text}{relative}, {ulps if ulps < 1e6 else f'{ulps:.2g}'} ulp{'s' if ulps != 1 else ''}"
+    return (f"{text}{relative}, {ulps if ulps < 1e6 else f'{ulps:.2g}'} "
+            f"ulp{'s' if ulps != 1 else ''}")
 
 
 def difference_of_texts(a, b):
@@ -117,7 +120,8 @@ class Difference:
         return f"{self.name}: {self.text}"
 
 
-SAMPLED = ("time", "displacement", "velocity", "force", "nodes", "kinetic", "elastic", "contact", "damping_loss",
+SAMPLED = ("time", "displacement", "velocity", "force", "nodes", "kinetic", "elastic", "contact",
+           "damping_loss",
            "sliding_work", "load_work")
 
 
@@ -130,7 +134,8 @@ def place_of(name, index, data):
         return f"shock {index[0]}, which starts at t = {start:.9g} s", start
     if leaf in SAMPLED:
         at = float(data["time"][index[0]])
-        column = f", {'probe' if 'probes' in group else 'mode'} {index[1]}" if len(index) > 1 else ""
+        column = f", {'probe' if 'probes' in group else 'mode'} {index[1]}" if len(
+            index) > 1 else ""
         return f"sample {index[0]}, t = {at:.9g} s{column}", at
     if leaf == "shape":
         return f"mode {index[0]}, place {index[1]}", -math.inf
@@ -143,12 +148,15 @@ def compare_dataset(name, old, new):
     if a.shape == b.shape and a.dtype == b.dtype and a.tobytes() == b.tobytes():
         return None
     if a.dtype != np.float64 or b.dtype != np.float64 or a.shape[1:] != b.shape[1:]:
-        return Difference(name, f"{a.dtype} of shape {a.shape} -> {b.dtype} of shape {b.shape}", -math.inf)
+        return Difference(name,
+                          f"{a.dtype} of shape {a.shape} -> {b.dtype} of shape {b.shape}",
+                          -math.inf)
     if a.ndim == 0:
         return Difference(name, difference_of(a, b))
     length = "" if len(a) == len(b) else f"{len(a)} -> {len(b)} rows; "
     rows = min(len(a), len(b))
-    differs = np.ascontiguousarray(a[:rows]).view(np.int64) != np.ascontiguousarray(b[:rows]).view(np.int64)
+    differs = np.ascontiguousarray(a[:rows]).view(np.int64) != np.ascontiguousarray(
+        b[:rows]).view(np.int64)
     if not differs.any():
         longer, data = (a, old) if len(a) > len(b) else (b, new)
         where, when = place_of(name, (rows,) + (0,) * (longer.ndim - 1), data)
@@ -164,7 +172,8 @@ def compare_dataset(name, old, new):
 def compare_results(old_path, new_path, attributes=True):
     """The differences of two result files, the earliest in simulated time first."""
     (old, old_attributes), (new, new_attributes) = read(old_path), read(new_path)
-    found = [Difference(name, "only in the old result" if name in old else "only in the new result", -math.inf)
+    found = [Difference(name, "only in the old result" if name in old
+                        else "only in the new result", -math.inf)
              for name in sorted((old.keys() ^ new.keys()) - ADDED)]
     for name in old:
         if name in new and name not in COST:
@@ -180,12 +189,16 @@ def compare_results(old_path, new_path, attributes=True):
 # ---- scenes
 # --------------------------------------------------------------------------------------------------
 
-METHODS = [(scheme, law, "old") for scheme in ("explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
-                                               "exact", "adaptive") for law in ("penalty", "multiplier")
+METHODS = [(scheme, law, "old") for scheme in ("explicit-euler", "midpoint", "backward-euler",
+                                               "heun", "rk4", "rk8",
+                                               "exact", "adaptive")
+           for law in ("penalty", "multiplier")
            if not (law == "multiplier" and scheme in ("explicit-euler", "adaptive"))]
 METHODS.insert(3, ("backward-euler", "penalty", "new"))
-WIDTHS = [(1, 8), (9, 24), (25, 64), (65, 150)]  # modes, so that each compiled number of mode packs is marched
-SURFACES = [("gaussian", "gaussian"), ("peaks", "peaks"), ("file", "gaussian"), ("gaussian", "peaks"),
+# modes, so that each compiled number of mode packs is marched
+WIDTHS = [(1, 8), (9, 24), (25, 64), (65, 150)]
+SURFACES = [("gaussian", "gaussian"), ("peaks", "peaks"), ("file", "gaussian"),
+            ("gaussian", "peaks"),
             ("peaks", "file"), ("flat", "gaussian"), ("gaussian", "flat"), ("gaussian", "gaussian"),
             ("flat", "peaks"), ("flat", "flat")]  # resonator, slider
 
@@ -196,8 +209,10 @@ DEFLECTION = math.sqrt(YOUNG / 12 / DENSITY)  # m/s: omega = BEND thickness k^2
 class Scene:
     """A text, the files beside it, and what is expected of it."""
 
-    def __init__(self, name, tables=None, *, files=None, ends="complete", shocks=LEAST_SHOCKS, path=None, settings=()):
-        self.name, self.tables, self.files, self.ends, self.shocks = name, tables, files or {}, ends, shocks
+    def __init__(self, name, tables=None, *, files=None, ends="complete", shocks=LEAST_SHOCKS,
+                 path=None, settings=()):
+        self.name, self.tables, self.files, self.ends, self.shocks = (name, tables, files or {},
+                                                                      ends, shocks)
         self.path, self.settings = path, settings  # of a scene that comes with the program
 
     def text(self):
@@ -234,10 +249,13 @@ class Deck:
         return self.left.pop()
 
 
-AGAIN = {  # scenes drawn again, so many times: what came before made few shocks, or ended in a way that was not meant
+# scenes drawn again, so many times: what came before made few shocks, or ended in a way that was
+# not meant
+AGAIN = {
     "explicit-euler-penalty-8": 1, "rk4-multiplier-8": 1, "explicit-euler-penalty-24": 1,
     "backward-euler-penalty-64": 1, "exact-multiplier-64": 1, "midpoint-penalty-150": 1,
-    "explicit-euler-penalty-64-b": 1, "tolerance-1e-9": 1, "explicit-euler-penalty-150-b": 1, "exact-multiplier-8": 2,
+    "explicit-euler-penalty-64-b": 1, "tolerance-1e-9": 1, "explicit-euler-penalty-150-b": 1,
+    "exact-multiplier-8": 2,
     "midpoint-penalty-8-b": 2, "rk8-penalty-24-b": 2, "backward-euler-multiplier-8-b": 3,
     "backward-euler-new-penalty-150": 4}
 
@@ -247,12 +265,17 @@ class Drawer:
     each other."""
 
     def __init__(self):
-        self.decks = random.Random(2012)  # deals what there are a few kinds of; numbers are drawn for each scene alone
+        # deals what there are a few kinds of; numbers are drawn for each scene alone
+        self.decks = random.Random(2012)
         cards = {
-            "resonator": ["pinned", "pinned", "pinned", "free"], "slider": ["free", "free", "pinned", "rigid"],
-            "surfaces": SURFACES, "nodes": ["candidates", "candidates", "all"], "load": ["weight", "newton"],
-            "gap": ["touching", "number"], "initial": ["static", "rest", None], "forces": [0, 0, 1, 2],
-            "pace": ["rest", "slow", "usual", "usual", "usual", "fast"], "rate": ["step", "odd", "odd", "whole"],
+            "resonator": ["pinned", "pinned", "pinned", "free"],
+            "slider": ["free", "free", "pinned", "rigid"],
+            "surfaces": SURFACES, "nodes": ["candidates", "candidates", "all"],
+            "load": ["weight", "newton"],
+            "gap": ["touching", "number"], "initial": ["static", "rest", None],
+            "forces": [0, 0, 1, 2],
+            "pace": ["rest", "slow", "usual", "usual", "usual", "fast"],
+            "rate": ["step", "odd", "odd", "whole"],
             "from": [0, 0, 1], "probes": [0, 0, 1, 3], "slider_probes": [0, 0, 0, 1, 2]}
         self.cards = {key: Deck(self.decks, each) for key, each in cards.items()}
 
@@ -267,10 +290,13 @@ class Drawer:
         scheme, law, contact_force = method
         self.dice = dice = random.Random(f"{name} {AGAIN.get(name, 0)}")
         dealt = {key: deck.deal() for key, deck in self.cards.items()} | fixed
-        below, above, faces, pace = (dealt[key] for key in ("resonator", "slider", "surfaces", "pace"))
-        if faces[0] == "flat" and (law == "multiplier" or scheme == "exact"):  # what has landed would stay
+        below, above, faces, pace = (dealt[key]
+                                     for key in ("resonator", "slider", "surfaces", "pace"))
+        # what has landed would stay
+        if faces[0] == "flat" and (law == "multiplier" or scheme == "exact"):
             faces = ("peaks", faces[1])
-        if faces == ("flat", "flat") and (scheme == "adaptive" or contact_force == "new"):  # all nodes at once: slow
+        # all nodes at once: slow
+        if faces == ("flat", "flat") and (scheme == "adaptive" or contact_force == "new"):
             faces = ("flat", "peaks")
         flat, files = "flat" in faces, {}
 
@@ -279,7 +305,8 @@ class Drawer:
         rigid_below, rigid_above = 2 * (below == "free"), 2 * (above == "free")
         elastic_above = 0
         if above != "rigid":
-            elastic_above = dice.randint(above == "pinned", max(above == "pinned", min(12, modes // 5)))
+            elastic_above = dice.randint(above == "pinned",
+                                         max(above == "pinned", min(12, modes // 5)))
         elastic_below = max(1, modes - rigid_below - rigid_above - elastic_above)
         spacing = self.ratio(3e-5, 5e-5)
         length2 = 0.05 if modes <= 24 else 0.08 if modes <= 64 else 0.12
@@ -291,7 +318,8 @@ class Drawer:
         thick1 = min(max(0.7 * omega / DEFLECTION / wave1**2, length1 / 100), length1)
         omega = DEFLECTION * max(thick2 * wave2**2, thick1 * wave1**2 if elastic_above else 0)
         width2, width1 = 0.02, 0.01
-        damping = self.ratio(*{"explicit-euler": (0.2, 0.6), "exact": (0.05, 0.2)}.get(scheme, (0.005, 0.1)))
+        damping = self.ratio(*{"explicit-euler": (0.2, 0.6),
+                               "exact": (0.05, 0.2)}.get(scheme, (0.005, 0.1)))
 
         # the spring of a node against the inertia of both bodies, where they yield most
         mass2, mass1 = DENSITY * thick2 * width2 * length2, DENSITY * thick1 * width1 * length1
@@ -301,8 +329,10 @@ class Drawer:
         omega_c = omega * self.ratio(0.3, 2)
         spring = omega_c**2 / yields
         fastest = max(omega, omega_c) if law == "penalty" else omega
-        step = {"explicit-euler": min(0.6 * damping / omega, (0.03 if below == "pinned" else 0.004) / omega_c),
-                "exact": min(0.1 / omega, 0.01 / omega_c), "heun": 0.15 / fastest, "rk4": 0.4 / fastest,
+        step = {"explicit-euler": min(0.6 * damping / omega,
+                                      (0.03 if below == "pinned" else 0.004) / omega_c),
+                "exact": min(0.1 / omega, 0.01 / omega_c), "heun": 0.15 / fastest,
+                "rk4": 0.4 / fastest,
                 "rk8": 0.5 / fastest}.get(scheme, 0.25 / fastest)
         if faces == ("flat", "flat") and law == "penalty":  # all nodes touch at once
             step /= 6
@@ -311,12 +341,14 @@ class Drawer:
         # how long: by what a step costs
         stages = {"heun": 2, "rk4": 4, "rk8": 11}.get(scheme, 1)
         looked = length1 / spacing if dealt["nodes"] == "all" or flat else 30
-        cost = stages * (20e-9 + 1e-10 * modes * (3 + 0.5 * looked)) * (1.5 if law == "multiplier" else 1)
+        cost = stages * (20e-9
+                         + 1e-10 * modes * (3 + 0.5 * looked)) * (1.5 if law == "multiplier" else 1)
         steps = int(min(max(0.1 / cost, 6000), 60_000))
         if scheme == "adaptive":
             steps = int(20_000 / (1 + modes / 20))
         room = 0.98 * (length2 - length1)
-        travel = {"rest": 0, "slow": 0.1 * room, "usual": self.uniform(0.4, 0.95) * room, "fast": 0.95 * room}[pace]
+        travel = {"rest": 0, "slow": 0.1 * room, "usual": self.uniform(0.4, 0.95) * room,
+                  "fast": 0.95 * room}[pace]
         if pace == "fast" and scheme != "adaptive":  # a node in some steps, or in each
             steps = int(travel / spacing / self.ratio(0.1, 1.5))
         duration = steps * step
@@ -324,10 +356,12 @@ class Drawer:
 
         # faces and what presses them together
         rq = self.ratio(4e-7, 2e-6)
-        resonator = {"support": below, "length": length2, "thickness": thick2, "width": width2, "young": YOUNG,
+        resonator = {"support": below, "length": length2, "thickness": thick2, "width": width2,
+                     "young": YOUNG,
                      "density": DENSITY, "damping": damping, "modes": elastic_below,
                      "surface": self.face("resonator", faces[0], rq, length2, files)}
-        slider = {"support": above, "length": length1, "thickness": thick1, "width": width1, "young": YOUNG,
+        slider = {"support": above, "length": length1, "thickness": thick1, "width": width1,
+                  "young": YOUNG,
                   "density": DENSITY, "damping": damping, "modes": elastic_above,
                   "surface": self.face("slider", faces[1], rq, length1, files)}
         if above == "rigid":
@@ -335,7 +369,8 @@ class Drawer:
                 del slider[key]
         deflection2 = YOUNG * width2 * thick2**3 / 12 / length2**3
         deflection1 = YOUNG * width1 * thick1**3 / 12 / length1**3
-        fall = 8 * rq * (self.ratio(30, 100) / duration)**2  # m/s^2: so many bounces as high as the roughness
+        # m/s^2: so many bounces as high as the roughness
+        fall = 8 * rq * (self.ratio(30, 100) / duration)**2
         if above == "free":
             press = min(mass1 * fall, 0.05 * spring * rq)
             slider["load"] = "weight" if dealt["load"] == "weight" and fall < 100 else press
@@ -347,37 +382,50 @@ class Drawer:
         if below == "free" or modes > 64:  # so thin that they alone bring it back
             forces = 2
             force = min(mass2 * fall, 0.05 * spring * rq)
-            resonator["moving_force"] = [{"force": force / 2, "speed": 0.2 * length2 / duration, "start": at * length2}
+            resonator["moving_force"] = [{"force": force / 2, "speed": 0.2 * length2 / duration,
+                                          "start": at * length2}
                                          for at in (0.2, 0.6)]
         elif forces:  # one after the other
             resonator["moving_force"] = [
                 {"force": 48 * deflection2 * rq * self.ratio(1, 5),
-                 "speed": length2 / duration * forces * self.uniform(0.8, 1.3), "start": -i * length2}
+                 "speed": length2 / duration * forces * self.uniform(0.8, 1.3),
+                 "start": -i * length2}
                 for i in range(forces)]
 
         initial = "rest" if below == "free" or flat or pace == "rest" else dealt["initial"]
         gap = None  # "touching"
-        highest = rq * sum({"flat": 0, "peaks": 3, "gaussian": 3.2, "file": 2.5}[face] for face in faces)
-        if initial == "rest" and (flat or pace == "rest") and above == "free" and slider["load"] != "weight":
+        highest = rq * sum({"flat": 0, "peaks": 3, "gaussian": 3.2, "file": 2.5}[face]
+                           for face in faces)
+        if initial == "rest" and (flat
+                                  or pace
+                                  == "rest") and above == "free" and slider["load"] != "weight":
             gap = 1.02 * highest + 1e-3 * rq  # strikes at once
-        elif dealt["gap"] == "number" and above != "free" and (law == "penalty" or initial != "rest"):
-            gap = rq * sum({"flat": 0, "peaks": 2.85, "gaussian": 1.3, "file": 1.2}[face] for face in faces)
-        rate = {"step": 1, "whole": 1 / dice.randint(2, 30), "odd": 1 / self.uniform(1, 40)}[dealt["rate"]] / step
+        elif dealt["gap"] == "number" and above != "free" and (law == "penalty"
+                                                               or initial != "rest"):
+            gap = rq * sum({"flat": 0, "peaks": 2.85, "gaussian": 1.3, "file": 1.2}[face]
+                           for face in faces)
+        rate = {"step": 1, "whole": 1 / dice.randint(2, 30),
+                "odd": 1 / self.uniform(1, 40)}[dealt["rate"]] / step
         most_samples = 400_000 / modes
         if rate * duration > most_samples:
             rate = 1 / step / math.ceil(duration / step / most_samples)
         tables = {
-            "scene": {"name": name, "duration": duration, "speed": travel / duration, "start": start, "gap": gap,
+            "scene": {"name": name, "duration": duration, "speed": travel / duration,
+                      "start": start, "gap": gap,
                       "spacing": spacing, "initial": initial},
             "resonator": resonator, "slider": slider,
             "contact": {"law": law, "stiffness": spring / spacing / width1},
-            "time": {"scheme": scheme, "contact_force": contact_force, "step": step, "nodes": dealt["nodes"]},
-            "output": {"rate": rate, "probes": [self.uniform(0, length2) for _ in range(dealt["probes"])],
-                       "slider_probes": [self.uniform(0, length1) for _ in range(dealt["slider_probes"])],
+            "time": {"scheme": scheme, "contact_force": contact_force, "step": step,
+                     "nodes": dealt["nodes"]},
+            "output": {"rate": rate,
+                       "probes": [self.uniform(0, length2) for _ in range(dealt["probes"])],
+                       "slider_probes": [self.uniform(0, length1)
+                                         for _ in range(dealt["slider_probes"])],
                        "from": dealt["from"] * self.uniform(0.05, 0.6) * duration},
         }
         if scheme == "adaptive":
-            tables["time"] = {"scheme": scheme, "tolerance": fixed.get("tolerance", 1e-8), "nodes": dealt["nodes"]}
+            tables["time"] = {"scheme": scheme, "tolerance": fixed.get("tolerance", 1e-8),
+                              "nodes": dealt["nodes"]}
         return Scene(name, tables, files=files)
 
     def face(self, body, kind, rq, length, files):
@@ -388,7 +436,8 @@ class Drawer:
         if kind == "peaks":
             count = max(1, round(length / 1e-3))
             return {"kind": kind, "peaks": [
-                {"at": (i + self.uniform(0.2, 0.8)) * length / count, "height": 3 * rq * self.uniform(0.95, 1.0),
+                {"at": (i + self.uniform(0.2, 0.8)) * length / count,
+                 "height": 3 * rq * self.uniform(0.95, 1.0),
                  "half_width": self.ratio(1e-4, 4e-4)} for i in range(count)]}
         if kind == "file":
             files[f"{body}.csv"] = self.profile(rq, length)
@@ -398,10 +447,12 @@ class Drawer:
     def profile(self, rq, length):
         points = round(length / 4.7e-5) + 1
         x = [length * i / (points - 1) for i in range(points)]
-        waves = [(2 * math.pi / self.ratio(3e-4, 1.5e-3), self.uniform(0, 2 * math.pi)) for _ in range(30)]
+        waves = [(2 * math.pi / self.ratio(3e-4, 1.5e-3), self.uniform(0, 2 * math.pi))
+                 for _ in range(30)]
         scale = rq * math.sqrt(2 / len(waves))
         lines = ["# drawn by same_bits.py", "x,z"]
-        lines += [f"{at:.12g},{scale * sum(math.sin(k * at + phase) for k, phase in waves):.9g}" for at in x]
+        lines += [f"{at:.12g},{scale * sum(math.sin(k * at + phase) for k, phase in waves):.9g}"
+                  for at in x]
         return "\n".join(lines) + "\n"
 
 
@@ -413,24 +464,29 @@ def drawn_scenes():
         for width in WIDTHS:
             for scheme, law, contact_force in METHODS:
                 new = "-new" if contact_force == "new" else ""
-                yield drawer.scene(f"{scheme}{new}-{law}-{width[1]}{turn}", (scheme, law, contact_force), width)
+                yield drawer.scene(f"{scheme}{new}-{law}-{width[1]}{turn}",
+                                   (scheme, law, contact_force), width)
     for digits in range(4, 13):
-        yield drawer.scene(f"tolerance-1e-{digits}", ("adaptive", "penalty", "old"), (4, 40), tolerance=10.0**-digits,
+        yield drawer.scene(f"tolerance-1e-{digits}", ("adaptive", "penalty", "old"), (4, 40),
+                           tolerance=10.0**-digits,
                            pace="usual")
     for below in ("pinned", "free"):
         for above in ("free", "pinned", "rigid"):
             for law in ("penalty", "multiplier"):
-                yield drawer.scene(f"{above}-on-{below}-{law}", ("backward-euler", law, "old"), (6, 30), slider=above,
+                yield drawer.scene(f"{above}-on-{below}-{law}", ("backward-euler", law, "old"),
+                                   (6, 30), slider=above,
                                    resonator=below, surfaces=("gaussian", "gaussian"), pace="usual")
 
 
 def areal_scenes():
     """A small block on the plate of scenes/areal.toml: by every scheme and law, with all nodes,
     held and free."""
-    small = ["scene.spacing=1e-4", "slider.length=5e-3", "slider.width=4e-3", "resonator.max_frequency=8e3",
+    small = ["scene.spacing=1e-4", "slider.length=5e-3", "slider.width=4e-3",
+             "resonator.max_frequency=8e3",
              "contact.stiffness=1e14", "output.rate=1e4"]
     free = [*small, "slider.load=0.5"]
-    held = [*small, "slider.support=rigid", "slider.load=0", "scene.gap=15e-6", "scene.initial=rest"]
+    held = [*small, "slider.support=rigid", "slider.load=0", "scene.gap=15e-6",
+            "scene.initial=rest"]
     for scheme in ("midpoint", "backward-euler", "heun", "rk4", "rk8", "exact"):
         yield "areal", 3e-3, f"time.scheme={scheme}", "time.step=2e-7", *free
     for settings in (("time.scheme=explicit-euler", "time.step=1e-8"),
@@ -458,7 +514,8 @@ def scenes_of_the_program():
         ("dang2012", 0.02, "time.contact_force=new", "time.step=1e-7"),
         ("dang2012-pinned", 0.02, "time.scheme=midpoint", "time.step=5e-8"),
         ("dang2012-pinned", 0.05, "time.scheme=adaptive"),
-        ("dang2012-pinned", 0.02, "contact.law=multiplier", "time.scheme=midpoint", "time.step=1e-7"),
+        ("dang2012-pinned", 0.02, "contact.law=multiplier", "time.scheme=midpoint",
+         "time.step=1e-7"),
         ("drop", 0.01),
         ("drop", 0.01, "time.scheme=heun", "time.nodes=all"),
         ("drop", 0.02, "time.scheme=adaptive"),
@@ -466,7 +523,8 @@ def scenes_of_the_program():
         ("peaks", 0.015, "scene.start=0.104", 2),
         ("peaks", 0.04, "scene.start=0.104", "time.scheme=adaptive", 2),
         # a thousand nodes touch at once, more than there is room for at first
-        ("dang2012", 2e-4, "time.scheme=adaptive", "slider.load=5", "scene.gap=1e-9", "scene.spacing=2e-5",
+        ("dang2012", 2e-4, "time.scheme=adaptive", "slider.load=5", "scene.gap=1e-9",
+         "scene.spacing=2e-5",
          "scene.initial=rest", *flat),
         ("dang2012", 2e-3, "time.scheme=adaptive", "slider.load=5", *flat, 2),
         ("moving-force", 0.005, 0),
@@ -481,12 +539,16 @@ def scenes_of_the_program():
 
 # A rigid slider's peak comes to the resonator's held end, where no mode moves.
 BLOCKED = {
-    "scene": {"duration": 1e-3, "speed": 2.0, "start": 0.048, "gap": 5e-6, "spacing": 1e-4, "initial": "rest"},
-    "resonator": {"support": "pinned", "length": 0.06, "thickness": 1e-3, "width": 0.02, "young": YOUNG,
+    "scene": {"duration": 1e-3, "speed": 2.0, "start": 0.048, "gap": 5e-6, "spacing": 1e-4,
+              "initial": "rest"},
+    "resonator": {"support": "pinned", "length": 0.06, "thickness": 1e-3, "width": 0.02,
+                  "young": YOUNG,
                   "density": DENSITY, "damping": 0.02, "modes": 1,
-                  "surface": {"kind": "peaks", "peaks": [{"at": 0.06, "height": 5e-6, "half_width": 1e-3}]}},
+                  "surface": {"kind": "peaks",
+                              "peaks": [{"at": 0.06, "height": 5e-6, "half_width": 1e-3}]}},
     "slider": {"support": "rigid", "length": 0.01, "width": 0.02,
-               "surface": {"kind": "peaks", "peaks": [{"at": 0.01, "height": 5e-6, "half_width": 5e-4}]}},
+               "surface": {"kind": "peaks",
+                           "peaks": [{"at": 0.01, "height": 5e-6, "half_width": 5e-4}]}},
     "contact": {"law": "multiplier"},
     "time": {"step": 1e-5},
     "output": {"rate": 1e4},
@@ -500,25 +562,33 @@ def scenes_that_fail():
     yield Scene("blocked", BLOCKED, ends="blocked", shocks=0)
     listed = [
         ("unstable", "drop", "time.force=true", "time.step=1e-4", "output.rate=1e3"),
-        ("unstable", "dang2012", "time.force=true", "time.scheme=explicit-euler", "time.step=1e-3", "output.rate=1e3"),
-        ("unstable", "moving-force", "time.force=true", "time.scheme=heun", "time.step=1e-4", "output.rate=1e4"),
-        ("not finite", "dang2012", "time.force=true", "time.scheme=explicit-euler", "time.step=1e-3", "output.rate=1"),
-        ("not finite", "dang2012", "time.force=true", "time.scheme=rk4", "time.step=1e-3", "output.rate=1"),
-        ("not finite", "moving-force", "time.force=true", "time.scheme=midpoint", "time.step=1e-4", "output.rate=70"),
+        ("unstable", "dang2012", "time.force=true", "time.scheme=explicit-euler", "time.step=1e-3",
+         "output.rate=1e3"),
+        ("unstable", "moving-force", "time.force=true", "time.scheme=heun", "time.step=1e-4",
+         "output.rate=1e4"),
+        ("not finite", "dang2012", "time.force=true", "time.scheme=explicit-euler",
+         "time.step=1e-3", "output.rate=1"),
+        ("not finite", "dang2012", "time.force=true", "time.scheme=rk4", "time.step=1e-3",
+         "output.rate=1"),
+        ("not finite", "moving-force", "time.force=true", "time.scheme=midpoint", "time.step=1e-4",
+         "output.rate=70"),
         # beyond the limit of stability, and yet to the end
         ("complete", "dang2012-pinned", "time.force=true", "time.step=1e-6", "scene.duration=5e-3"),
-        ("complete", "dang2012", "time.force=true", "time.scheme=rk4", "time.step=3e-6", "scene.duration=5e-3"),
+        ("complete", "dang2012", "time.force=true", "time.scheme=rk4", "time.step=3e-6",
+         "scene.duration=5e-3"),
         ("refused", "drop", "time.step=1e-4", "output.rate=1e3"),
         ("refused", "drop", "time.scheme=explicit-euler"),
         ("refused", "drop", "contact.law=multiplier", "scene.gap=5e-6"),
         ("refused", "drop", "contact.law=multiplier", "time.scheme=adaptive"),
         ("refused", "drop", "scene.spacing=1e-2"),
         ("refused", "dang2012", "slider.load=-1", "scene.duration=1e-3"),
-        ("refused", "dang2012", "resonator.max_frequency=1e9", "scene.duration=10", "output.probes=[9]", "time.stp=1"),
+        ("refused", "dang2012", "resonator.max_frequency=1e9", "scene.duration=10",
+         "output.probes=[9]", "time.stp=1"),
         ("refused", "peaks", "slider.surface={ kind = 'file', path = 'not-there.csv' }"),
     ]
     for number, (ends, name, *settings) in enumerate(listed, 1):
-        yield Scene(f"{ends.replace(' ', '-')}-{name}-{number}", path=ROOT / "scenes" / f"{name}.toml",
+        yield Scene(f"{ends.replace(' ', '-')}-{name}-{number}",
+                    path=ROOT / "scenes" / f"{name}.toml",
                     settings=settings, ends=ends, shocks=LEAST_SHOCKS if ends == "complete" else 0)
 
 
@@ -531,8 +601,10 @@ def scenes():
 # ---- running and comparing
 # -------------------------------------------------------------------------------------
 
-ENDINGS = {"unstable": "unstable: ", "not finite": "not finite: ", "blocked": "no motion of the kept modes",
-           "crowded": "more nodes touch at once than there is memory for", "stalled": "the motion is too fast for"}
+ENDINGS = {"unstable": "unstable: ", "not finite": "not finite: ",
+           "blocked": "no motion of the kept modes",
+           "crowded": "more nodes touch at once than there is memory for",
+           "stalled": "the motion is too fast for"}
 
 
 class Run:
@@ -540,14 +612,18 @@ class Run:
 
     def __init__(self, program, scene, folder, name):
         self.result = folder / f"{name}.h5"
-        work = folder / name  # the same names for both programs, so that their messages can be compared
+        # the same names for both programs, so that their messages can be compared
+        work = folder / name
         work.mkdir()
-        words = [program, "run", str(scene.path or "../scene.toml"), "--quiet", "--threads", "1", "-o", "result.h5"]
+        words = [program, "run", str(scene.path or "../scene.toml"), "--quiet", "--threads", "1",
+                 "-o", "result.h5"]
         for setting in scene.settings:
             words += ["--set", setting]
         try:
-            done = subprocess.run(words, cwd=work, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE)
-            self.status, self.message = done.returncode, done.stderr.decode(errors="replace").strip()
+            done = subprocess.run(words, cwd=work, stdin=subprocess.DEVNULL, capture_output=True,
+                                  timeout=PATIENCE)
+            self.status, self.message = done.returncode, done.stderr.decode(
+                errors="replace").strip()
         except subprocess.TimeoutExpired:
             self.status, self.message = None, f"it did not end within {PATIENCE} s"
         if (work / "result.h5").exists():
@@ -577,14 +653,17 @@ class Case:
         old, new = Run(old_program, scene, folder, "old"), Run(new_program, scene, folder, "new")
         self.ending = old.ending()
         if self.ending != scene.ends:
-            self.faults.append(f"is meant to end '{scene.ends}', and ends '{self.ending}': {old.message}")
+            self.faults.append(
+                f"is meant to end '{scene.ends}', and ends '{self.ending}': {old.message}")
         if old.status != new.status:
-            self.differences.append(f"exit status: {old.status} -> {new.status}\n{old.message or '(no message)'}\n-> "
+            self.differences.append(
+                f"exit status: {old.status} -> {new.status}\n{old.message or '(no message)'}\n-> "
                                     f"{new.message or '(no message)'}")
         elif old.message != new.message:
             self.differences.append(f"message: {old.message}\n-> {new.message}")
         if old.result.exists() != new.result.exists():
-            self.differences.append(f"the {'old' if old.result.exists() else 'new'} program alone wrote a result")
+            self.differences.append(
+                f"the {'old' if old.result.exists() else 'new'} program alone wrote a result")
         elif old.result.exists():
             self.differences += compare_results(old.result, new.result)
         if old.result.exists():
@@ -598,7 +677,8 @@ class Case:
         self.kinds = kinds_of(tomllib.loads(attributes["scene"]),
                               len(data["resonator/mode"]) + len(data["slider/mode"]))
         if self.shocks < self.scene.shocks:
-            self.faults.append(f"is meant to have {self.scene.shocks} shocks, and has {self.shocks}")
+            self.faults.append(
+                f"is meant to have {self.scene.shocks} shocks, and has {self.shocks}")
 
 
 def kinds_of(options, modes):
@@ -607,7 +687,8 @@ def kinds_of(options, modes):
     body, slider = options["resonator"], options["slider"]
     adaptive = clock["scheme"] == "adaptive"
     steps = 0 if adaptive else 1 / output["rate"] / clock["step"]  # from sample to sample
-    implicit = (clock["scheme"], law, clock["contact_force"]) == ("backward-euler", "penalty", "new")
+    implicit = (clock["scheme"], law, clock["contact_force"]) == ("backward-euler",
+                                                                  "penalty", "new")
     return {
         "scheme": clock["scheme"] + (" (new)" if implicit else ""),
         "law": law,
@@ -631,13 +712,15 @@ def kinds_of(options, modes):
 
 
 WANTED = {  # each of these in a scene with contact
-    "scheme": ["explicit-euler", "midpoint", "backward-euler", "backward-euler (new)", "heun", "rk4", "rk8", "exact",
+    "scheme": ["explicit-euler", "midpoint", "backward-euler", "backward-euler (new)", "heun",
+               "rk4", "rk8", "exact",
                "adaptive"],
     "law": ["penalty", "multiplier"], "nodes": ["candidates", "all"],
     "modes": ["up to 8", "up to 24", "up to 64", "up to 256"],
     "tolerance": [f"1e-{digits:02}" for digits in range(4, 13)],
     "resonator": ["pinned", "free", "rigid"], "slider": ["pinned", "free", "rigid"],
-    "faces": sorted({"/".join(pair) for pair in SURFACES}), "moving forces": [0, 1, 2], "slides": ["yes", "no"],
+    "faces": sorted({"/".join(pair) for pair in SURFACES}), "moving forces": [0, 1, 2],
+    "slides": ["yes", "no"],
     "gap": ["touching", "a number"], "load": ["weight", "N", "none"], "initial": ["static", "rest"],
     "counted from": ["0", "later"], "samples": ["each step", "whole steps", "between steps"],
     "probes": ["with", "without"]}
@@ -649,17 +732,22 @@ def summary(cases):
     lines = [("ends", collections.Counter(case.ending for case in cases))]
     missing = []
     for kind, wanted in WANTED.items():
-        found = collections.Counter(case.kinds[kind] for case in touching if case.kinds.get(kind) is not None)
+        found = collections.Counter(case.kinds[kind] for case in touching
+                                    if case.kinds.get(kind) is not None)
         lines.append((kind, found))
-        missing += [f"no scene with contact has {kind} = {value}" for value in wanted if not found[value]]
+        missing += [f"no scene with contact has {kind} = {value}" for value in wanted
+                    if not found[value]]
     shocks = [case.shocks for case in touching]
     text = [f"{len(cases)} scenes, {len(touching)} with contact: {sum(shocks)} shocks, "
-            f"{sum(n >= 10 for n in shocks)} scenes with 10 or more, {sum(n >= 100 for n in shocks)} with 100 or more; "
+            f"{sum(n >= 10 for n in shocks)} scenes with 10 or more, "
+            f"{sum(n >= 100 for n in shocks)} with 100 or more; "
             f"{sum(case.numbers for case in cases) / 1e6:.0f} million numbers"]
     for kind, found in lines:
-        text.append(f"  {kind:14} " + ", ".join(f"{value} ({found[value]})" for value in sorted(found, key=str)))
+        text.append(f"  {kind:14} " + ", ".join(f"{value} ({found[value]})"
+                                                for value in sorted(found, key=str)))
     if len(touching) < LEAST_WITH_CONTACT:
-        missing.append(f"only {len(touching)} scenes had contact, at least {LEAST_WITH_CONTACT} are needed")
+        missing.append(f"only {len(touching)} scenes had contact, at least {LEAST_WITH_CONTACT} "
+                       "are needed")
     return "\n".join(text), missing
 
 
@@ -673,11 +761,13 @@ def report(case, most):
     for difference in case.differences[:most]:
         print("    " + str(difference).replace("\n", "\n    "))
     if len(case.differences) > most:
-        print("    and in " + ", ".join(getattr(each, "name", "the message") for each in case.differences[most:]))
+        print("    and in " + ", ".join(getattr(each, "name", "the message")
+                                        for each in case.differences[most:]))
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("old", metavar="OLD_PROGRAM")
     parser.add_argument("new", metavar="NEW_PROGRAM")
     parser.add_argument("--keep", metavar="FOLDER", type=pathlib.Path)
@@ -707,7 +797,8 @@ def main():
     different = sum(bool(case.differences) for case in cases)
     faulty = sum(bool(case.faults) for case in cases) + (0 if options.only else len(missing))
     print(f"{f'{different} SCENES DIFFER' if different else 'the same, bit for bit'}"
-          f"{f'; {faulty} faults of the scenes themselves' if faulty else ''} ({time.monotonic() - begun:.0f} s)")
+          f"{f'; {faulty} faults of the scenes themselves' if faulty else ''} "
+          f"({time.monotonic() - begun:.0f} s)")
     return 1 if different or faulty else 0
 
 

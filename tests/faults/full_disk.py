@@ -18,7 +18,8 @@ from same_bits import compare_results  # noqa: E402
 SKIPPED = 9
 SCENE = ROOT / "scenes/dang2012-pinned.toml"
 # a second of steps, some 20 MB of samples; a checkpoint every few hundredths of a second
-RUN = ["--set", "time.scheme=backward-euler", "--set", "time.step=1e-8", "--set", "scene.duration=0.5", "--set",
+RUN = ["--set", "time.scheme=backward-euler", "--set", "time.step=1e-8", "--set",
+       "scene.duration=0.5", "--set",
        "output.rate=1e5", "--checkpoint", "0.001"]
 STUDY = f"""base = "{SCENE}"
 seeds = 3
@@ -36,7 +37,8 @@ def mount(*words):
 
 
 def ra2d(*words):
-    done = subprocess.run([sys.argv[1], *map(str, words)], capture_output=True, text=True, check=False, timeout=300)
+    done = subprocess.run([sys.argv[1], *map(str, words)], capture_output=True, text=True,
+                          check=False, timeout=300)
     return done.returncode, done.stderr
 
 
@@ -64,7 +66,8 @@ def a_run(disk, whole):
     expect((disk / "out.h5.checkpoint").exists(), "no checkpoint was left")
     kept = sorted(path.name for path in disk.rglob("*") if path.suffix != ".lock")
     refused(words, "Read-only file system", "ro")
-    expect(sorted(path.name for path in disk.rglob("*") if path.suffix != ".lock") == kept, "it lost what it had")
+    expect(sorted(path.name for path in disk.rglob("*") if path.suffix != ".lock") == kept,
+           "it lost what it had")
     mount("-o", "remount,rw,size=256m", str(disk))
     status, said = ra2d(*words)
     expect(status == 0, f"with room again it ended with {status}: {said}")
@@ -96,10 +99,12 @@ def a_study(disk, folder):
 
 def main():
     if sys.argv[2:] != ["--inside"]:
-        if subprocess.run(["unshare", "--mount", "true"], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+        if subprocess.run(["unshare", "--mount", "true"], stderr=subprocess.DEVNULL,
+                          check=False).returncode != 0:
             print("no mount namespace may be made here")
             return SKIPPED
-        own = subprocess.run(["unshare", "--mount", sys.executable, __file__, sys.argv[1], "--inside"], check=False)
+        own = subprocess.run(["unshare", "--mount", sys.executable, __file__, sys.argv[1],
+                              "--inside"], check=False)
         return own.returncode
     with tempfile.TemporaryDirectory(prefix="ra2d_full_disk_") as folder:
         folder = pathlib.Path(folder)

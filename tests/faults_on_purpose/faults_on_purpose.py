@@ -58,7 +58,8 @@ def shell(command, folder, limit):
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
-GENERATED = re.compile(r"generated/march_(semi_implicit|staged|implicit|adaptive)_(few|many)\.cpp")  # by host/CMakeLists.txt
+# by host/CMakeLists.txt
+GENERATED = re.compile(r"generated/march_(semi_implicit|staged|implicit|adaptive)_(few|many)\.cpp")
 MASKED = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:[^"\\\n]|\\.)*"' + r"|'(?:[^'\\\n]|\\.)'", re.DOTALL)
 
 
@@ -114,7 +115,8 @@ def check(faults, root):
     """What is wrong with the table, a line each."""
     for fault in faults:
         named = [fault["file"], *fault.get("compile", [])]
-        if missing := [name for name in named if not (root / name).exists() and not GENERATED.fullmatch(name)]:
+        if missing := [name for name in named if not (root / name).exists()
+                       and not GENERATED.fullmatch(name)]:
             yield f"{fault['id']}: there is no {', '.join(missing)}"
         elif fault["file"].endswith(".hpp") and "compile" not in fault:
             yield f"{fault['id']}: a header needs `compile`"
@@ -141,7 +143,9 @@ class Build:
                     name = source.relative_to(ROOT).as_posix()
                 else:
                     continue
-                self.commands.setdefault(name, []).append((arguments, arguments[arguments.index("-o") + 1]))
+                self.commands.setdefault(name,
+                                         []).append((arguments,
+                                                     arguments[arguments.index("-o") + 1]))
         self.links, self.sound, self.lock = {}, {}, threading.Lock()
 
     def unity_members(self, path):
@@ -154,7 +158,8 @@ class Build:
     def link_of(self, target):
         """What links `target`, a path in the build folder."""
         if target not in self.links:
-            text = shell(["ninja", "-t", "commands", target], self.folder, 60).stdout.splitlines()[-1]
+            text = shell(["ninja", "-t", "commands", target], self.folder,
+                         60).stdout.splitlines()[-1]
             parts = [shlex.split(part) for part in text.split(" && ")]
             self.links[target] = next(part for part in parts if "-o" in part and target in part)
         return self.links[target]
@@ -162,11 +167,13 @@ class Build:
     def link(self, target, objects, made):
         """Links `target` as the file `made`, with faulty objects for sound ones."""
         def has_tests(place):
-            return f"/{pathlib.Path(target).name}.dir/" in place and pathlib.Path(place).name.startswith("test_")
+            return f"/{pathlib.Path(target).name}.dir/" in place and pathlib.Path(
+                place).name.startswith("test_")
         # Where tests are compiled with the fault, others stay out: of a template's function that
         # stands in several objects, the linker takes one, and that may be a sound one.
         alone = any(map(has_tests, objects))
-        words = [word for word in self.link_of(target) if word not in objects and not (alone and has_tests(word))]
+        words = [word for word in self.link_of(target) if word not in objects
+                 and not (alone and has_tests(word))]
         # before the libraries that have the sound ones
         words[words.index("-o") + 1 : words.index("-o") + 2] = [made, *objects.values()]
         done = shell(words, self.folder, COMPILE_LIMIT)
@@ -176,7 +183,8 @@ class Build:
     def sources(self, names):
         """As named; where the march is compiled for the most modes alone (RA2D_ONE_MARCH), that one
         for another."""
-        found = [name if name in self.commands else name.replace("_few.", "_many.") for name in names]
+        found = [name if name in self.commands else name.replace("_few.", "_many.")
+                 for name in names]
         if missing := [name for name in found if name not in self.commands]:
             raise Broken(f"no source is called {', '.join(missing)}")
         return found
@@ -184,7 +192,8 @@ class Build:
     def run(self, program, tests, filter, ra2d=None):
         """None where all tests pass, or what fails."""
         try:
-            done = shell([*(["env", f"RA2D_PROGRAM={ra2d}"] if ra2d else []), program, f"--gtest_filter={filter}", "--gtest_fail_fast", "--gtest_brief=1"],
+            done = shell([*(["env", f"RA2D_PROGRAM={ra2d}"] if ra2d else []), program,
+                          f"--gtest_filter={filter}", "--gtest_fail_fast", "--gtest_brief=1"],
                          self.folder, TEST_LIMIT)
         except subprocess.TimeoutExpired:
             return f"{tests}: does not end"
@@ -229,16 +238,20 @@ def apply(build, fault, folder):
             if not concerns(source, program):
                 continue
             compiled = build.commands[source]
-            arguments, place = next((each for each in compiled if f"/{program}.dir/" in each[1]), compiled[0])
+            arguments, place = next((each for each in compiled if f"/{program}.dir/" in each[1]),
+                                    compiled[0])
             if place not in made:
                 mine = f"{folder}/{place.replace('/', '_')}"
                 names = {place: mine, f"{ROOT}/{fault['file']}": str(faulty)}
-                for word in arguments:  # of sources that are compiled together: the same, with the faulty one
+                # of sources that are compiled together: the same, with the faulty one
+                for word in arguments:
                     if build.unity_members(pathlib.Path(word)):
                         names[word] = f"{mine}.cxx"
                         pathlib.Path(names[word]).write_text(
-                            pathlib.Path(word).read_text().replace(f"{ROOT}/{fault['file']}", str(faulty)))
-                done = shell([*(names.get(word, word) for word in arguments), "-iquote", f"{folder}/changed",
+                            pathlib.Path(word).read_text().replace(f"{ROOT}/{fault['file']}",
+                                                                   str(faulty)))
+                done = shell([*(names.get(word, word) for word in arguments), "-iquote",
+                              f"{folder}/changed",
                               "-Wno-error"], build.folder, COMPILE_LIMIT)
                 if done.returncode != 0:
                     why = re.findall(r"error: .*", done.stdout) or [done.stdout[-300:]]
@@ -275,17 +288,22 @@ def judge(build, fault):
 
 
 def main():
-    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument("build", type=pathlib.Path, nargs="?", help="build folder; of --check the sources")
-    arguments.add_argument("--only", action="append", help="those whose id or file contains this; may be repeated")
+    arguments = argparse.ArgumentParser(description=__doc__,
+                                        formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("build", type=pathlib.Path, nargs="?",
+                           help="build folder; of --check the sources")
+    arguments.add_argument("--only", action="append",
+                           help="those whose id or file contains this; may be repeated")
     arguments.add_argument("--share", default="1/1", help="every N-th of them, from the I-th on")
     arguments.add_argument("--jobs", type=int, default=1, help="faults at a time")
     arguments.add_argument("--list", action="store_true", help="print their names and files")
-    arguments.add_argument("--check", action="store_true", help="only verify that each pattern matches once")
+    arguments.add_argument("--check", action="store_true",
+                           help="only verify that each pattern matches once")
     options = arguments.parse_args()
     faults = read_faults()
     if options.only:
-        faults = [f for f in faults if any(text in f["id"] or text in f["file"] for text in options.only)]
+        faults = [f for f in faults if any(text in f["id"] or text in f["file"]
+                                           for text in options.only)]
     first, of = map(int, options.share.split("/"))
     faults = faults[first - 1 :: of]
     if options.list:
@@ -302,10 +320,12 @@ def main():
     build = Build(options.build)
     counts = {}
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        for run in concurrent.futures.as_completed([pool.submit(judge, build, fault) for fault in faults]):
+        for run in concurrent.futures.as_completed([pool.submit(judge, build, fault)
+                                                    for fault in faults]):
             fault, outcome, more, took = run.result()
             counts[outcome] = counts.get(outcome, 0) + 1
-            print(f"{outcome:<9} {fault['id']:<32} {took:4.0f} s  {fault['file']}: {more}", flush=True)
+            print(f"{outcome:<9} {fault['id']:<32} {took:4.0f} s  {fault['file']}: {more}",
+                  flush=True)
     print(", ".join(f"{number} {outcome}" for outcome, number in sorted(counts.items())))
     return 1 if counts.keys() - {"killed"} else 0
 

@@ -34,7 +34,8 @@ def near(found, expected, what, relative=1e-9):
 
 def welch(signal, rate, segment):
     if scipy:
-        return scipy.signal.welch(signal, rate, "hann", segment, segment // 2, detrend=False, axis=0)[1]
+        return scipy.signal.welch(signal, rate, "hann", segment, segment // 2,
+                                  detrend=False, axis=0)[1]
     window = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(segment) / segment)
     powers = [np.abs(np.fft.rfft(window[:, None] * signal[j:j + segment], axis=0)) ** 2
               for j in range(0, len(signal) - segment + 1, segment // 2)]
@@ -83,11 +84,13 @@ def check_spectrum(file, said, rows, rate):
     probes = file["probes/velocity"][rows]
     near(np.transpose(spectrum["psd_probe"]), welch(probes, rate, segment), "psd_probe")
     force = file["contact/force"][rows]
-    near(spectrum["psd_force"], welch((force - force.mean())[:, None], rate, segment)[:, 0], "psd_force")
+    near(spectrum["psd_force"], welch((force - force.mean())[:, None], rate, segment)[:, 0],
+         "psd_force")
     if scipy:
         nu = spectrum["degrees_of_freedom"]
         low, high = scipy.stats.chi2.ppf([0.975, 0.025], nu)
-        near([spectrum["confidence"]["low"], spectrum["confidence"]["high"]], [nu / low, nu / high], "confidence")
+        near([spectrum["confidence"]["low"], spectrum["confidence"]["high"]], [nu / low, nu / high],
+             "confidence")
     # the mean over the resonator is that over its places
     elastic = file["resonator/frequency"][()] > 0
     v = modal[::97, elastic] @ file["resonator/shape"][elastic]
@@ -95,7 +98,8 @@ def check_spectrum(file, said, rows, rate):
 
     bands = said["bands"]
     near(bands["level"], third_octaves(modal, weights, rate, bands["centre"]), "bands")
-    near(bands["level_probe"][0], third_octaves(probes[:, :1], np.ones(1), rate, bands["centre"]), "bands of a probe")
+    near(bands["level_probe"][0], third_octaves(probes[:, :1], np.ones(1), rate, bands["centre"]),
+         "bands of a probe")
     if "level_a" in bands:
         expect(said["lv_a"] < said["lv"] + 1.3, "lv_a is", said["lv_a"])
 
@@ -113,11 +117,13 @@ def check_shocks(file, said):
              [*np.quantile(values, [0.5, 0.1, 0.9]), values.mean()], name)
         bins = shocks["histograms"][name]
         positive = values[values > 0]
-        expect(np.array_equal(np.histogram(positive, bins["edges"])[0], bins["counts"]), "histogram of", name)
+        expect(np.array_equal(np.histogram(positive, bins["edges"])[0], bins["counts"]),
+               "histogram of", name)
     ends = start + file["shocks/duration"][()]
     times = np.sort(np.concatenate([start[(start >= begin) & (start < end)], [begin]]))
     most = max(np.count_nonzero((start <= t) & (ends > t)) for t in times)
-    expect(shocks["simultaneous"]["max"] == most, "at once", shocks["simultaneous"]["max"], "not", most)
+    expect(shocks["simultaneous"]["max"] == most, "at once", shocks["simultaneous"]["max"],
+           "not", most)
     overlap = np.clip(np.minimum(ends, end) - np.maximum(start, begin), 0, None).sum()
     near(shocks["simultaneous"]["mean"], overlap / (end - begin), "at once")
 
@@ -132,7 +138,8 @@ def check(path, said):
         expect(said["samples"] == last + 1 - first, "samples", said["samples"])
         whole = said["from"] == scene["output"]["from"] and said["to"] == scene["scene"]["duration"]
         weights = file["resonator/mean_square"][()]
-        v_rms = file["level/v_rms"][()] if whole else np.sqrt(np.mean(file["resonator/velocity"][rows] ** 2 @ weights))
+        v_rms = file["level/v_rms"][()] if whole else np.sqrt(
+            np.mean(file["resonator/velocity"][rows] ** 2 @ weights))
         near(said["v_rms"], v_rms, "v_rms")
         near(said["lv"], 20 * np.log10(v_rms / 1e-9), "lv")
         if whole:
@@ -140,7 +147,8 @@ def check(path, said):
         check_spectrum(file, said, rows, rate)
         check_shocks(file, said)
         seconds = time[rows][-1] - time[rows][0]
-        for key, name in (("sliding_power", "sliding_work"), ("damping_power", "damping_loss"), ("load_power", "load_work")):
+        for key, name in (("sliding_power", "sliding_work"), ("damping_power", "damping_loss"),
+                          ("load_power", "load_work")):
             energy = file["energy"][name][rows]
             near(said["energy"][key], (energy[-1] - energy[0]) / seconds, key)
         elastic = file["resonator/frequency"][()]

@@ -31,7 +31,8 @@ def modes_of(body, count):
     length = body["length"]
     if body["support"] == "pinned":
         wave = (np.arange(count) + 1) * np.pi / length
-        return mass, math.sqrt(stiffness / mass) * wave**2, lambda x: math.sqrt(2 / length) * np.sin(np.outer(x, wave))
+        return mass, math.sqrt(stiffness / mass) * wave**2, lambda x: math.sqrt(
+            2 / length) * np.sin(np.outer(x, wave))
     beta = [0.0, 0.0]
     for k in range(count - 2):  # cosh(b) cos(b) = 1, by bisection about (k + 3/2) pi
         low, high = (k + 1.3) * np.pi, (k + 1.7) * np.pi
@@ -82,13 +83,15 @@ def main(path):
     time, force, touching = data["time"], data["contact/force"], data["contact/nodes"] > 0
     count = len(time)
     if not adaptive:
-        assert count == steps + 1 and abs(scene["output"]["rate"] * step - 1) < 1e-12, "a sample at every step is needed"
+        assert count == steps + 1 and abs(scene["output"]["rate"] * step
+                                          - 1) < 1e-12, "a sample at every step is needed"
     close("time", time, np.arange(count) * step)
     first = math.ceil(begin / step * (1 - 1e-12))
 
     # bodies, modes, probes, energies
     kinetic = elastic = 0
-    for name, body, probes in (("resonator", resonator, "probes"), ("slider", slider, "slider_probes")):
+    for name, body, probes in (("resonator", resonator, "probes"),
+                               ("slider", slider, "slider_probes")):
         u, v = data[f"{name}/displacement"], data[f"{name}/velocity"]
         modes = u.shape[1]
         if modes == 0:
@@ -103,10 +106,12 @@ def main(path):
         heights = np.zeros(len(nodes))
         for peak in body["surface"].get("peaks", []):
             away = (nodes - peak["at"]) / peak["half_width"]
-            heights += np.where(np.abs(away) <= 1, peak["height"] / 2 * (1 + np.cos(np.pi * away)), 0)
+            heights += np.where(np.abs(away) <= 1,
+                                peak["height"] / 2 * (1 + np.cos(np.pi * away)), 0)
         close(f"surface/{name}/height", data[f"surface/{name}/height"], heights, 1e-9)
         elastic_modes = omega > 0
-        close(f"{name}/mean_square", data[f"{name}/mean_square"], np.mean(shapes(nodes) ** 2, axis=0) * elastic_modes)
+        close(f"{name}/mean_square", data[f"{name}/mean_square"],
+              np.mean(shapes(nodes) ** 2, axis=0) * elastic_modes)
         at = shapes(data[f"{probes}/position"])
         close(f"{probes}/displacement", data[f"{probes}/displacement"], u @ at.T)
         close(f"{probes}/velocity", data[f"{probes}/velocity"], v @ at.T)
@@ -115,7 +120,9 @@ def main(path):
         if name == "resonator":
             velocity = (v[:, elastic_modes] @ shapes(nodes)[:, elastic_modes].T)[first + 1 :]
             v_rms = math.sqrt(np.mean(velocity**2))
-        loss = np.concatenate(([0.0], np.cumsum(np.sum(2 * body["damping"] * omega * mass * v[1:] ** 2, axis=1) * step)))
+        loss = np.concatenate(([0.0],
+                               np.cumsum(np.sum(2 * body["damping"] * omega * mass * v[1:] ** 2,
+                                                axis=1) * step)))
         damping = loss if name == "resonator" else damping + loss
     close("energy/kinetic", data["energy/kinetic"], kinetic)
     close("energy/elastic", data["energy/elastic"], elastic)
@@ -124,8 +131,10 @@ def main(path):
     close("energy/damping_loss", data["energy/damping_loss"], damping, 1e-2)
     load = slider.get("load", 0.0)
     rigid = data["slider/displacement"][:, 0]
-    close("energy/load_work", data["energy/load_work"], load / math.sqrt(slider["length"]) * (rigid - rigid[0]), 1e-8)
-    stored = sum(data[f"energy/{name}"] for name in ("kinetic", "elastic", "contact", "damping_loss"))
+    close("energy/load_work", data["energy/load_work"],
+          load / math.sqrt(slider["length"]) * (rigid - rigid[0]), 1e-8)
+    stored = sum(data[f"energy/{name}"]
+                 for name in ("kinetic", "elastic", "contact", "damping_loss"))
     paid = data["energy/sliding_work"] + data["energy/load_work"]
     # work of the imposed sliding: the force on the slope of polygon and bent plate, at the one node
     # that can touch
@@ -135,7 +144,8 @@ def main(path):
     left = np.minimum((place / chi + 1e-9).astype(int), len(height) - 2)
     wave = (np.arange(data["resonator/mode"].size) + 1) * np.pi / resonator["length"]
     deflection = math.sqrt(2 / resonator["length"]) * wave * np.cos(np.outer(place, wave))
-    slope = (height[left + 1] - height[left]) / chi + np.sum(deflection * data["resonator/displacement"], axis=1)
+    slope = (height[left + 1]
+             - height[left]) / chi + np.sum(deflection * data["resonator/displacement"], axis=1)
     work = np.concatenate(([0.0], np.cumsum((force * speed * slope)[:-1] * step)))
     close("energy/sliding_work", data["energy/sliding_work"], work, max(1e-7, 10 * summed))
 
@@ -153,13 +163,19 @@ def main(path):
     close("shocks/start", data["shocks/start"], begins * step, 1e-9, instant)
     close("shocks/duration", data["shocks/duration"], (ends - begins) * step, 1e-9, instant)
     stretch = [slice(a, b) for a, b in zip(begins, ends)]
-    close("shocks/peak_force", data["shocks/peak_force"], [force[s].max() for s in stretch], max(1e-8, summed))
-    close("shocks/impulse", data["shocks/impulse"], [force[s].sum() * step for s in stretch], max(1e-8, summed))
-    close("shocks/position", data["shocks/position"], [np.average(place[s], weights=force[s]) for s in stretch], max(1e-8, summed * 1e-2))
+    close("shocks/peak_force", data["shocks/peak_force"], [force[s].max() for s in stretch],
+          max(1e-8, summed))
+    close("shocks/impulse", data["shocks/impulse"], [force[s].sum() * step for s in stretch],
+          max(1e-8, summed))
+    close("shocks/position", data["shocks/position"],
+          [np.average(place[s], weights=force[s]) for s in stretch], max(1e-8, summed * 1e-2))
     own = data["shocks/start"] >= begin * (1 - 1e-12)
-    close("summary/shock_rate", data["summary/shock_rate"], own.sum() / ((count - 1 - first) * step), summed)
-    for figure, values in (("shock_duration", data["shocks/duration"][own]), ("peak_force", data["shocks/peak_force"][own])):
-        close(f"summary/{figure}_median", data[f"summary/{figure}_median"], quantile(values, 0.5), 1.1e-3)
+    close("summary/shock_rate", data["summary/shock_rate"],
+          own.sum() / ((count - 1 - first) * step), summed)
+    for figure, values in (("shock_duration", data["shocks/duration"][own]),
+                           ("peak_force", data["shocks/peak_force"][own])):
+        close(f"summary/{figure}_median", data[f"summary/{figure}_median"],
+              quantile(values, 0.5), 1.1e-3)
         close(f"summary/{figure}_90", data[f"summary/{figure}_90"], quantile(values, 0.9), 1.1e-3)
     close("summary/contact_share", data["summary/contact_share"], touching[first:-1].mean(), summed)
 
@@ -167,13 +183,17 @@ def main(path):
     residual = (stored - paid)[-1] - (stored - paid)[first]
     turnover = 0.0
     counted = data["energy/kinetic"] + data["energy/elastic"] + data["energy/contact"]
-    for values in (counted, *(data[f"energy/{n}"] - data[f"energy/{n}"][first] for n in ("damping_loss", "sliding_work", "load_work"))):
+    for values in (counted, *(data[f"energy/{n}"] - data[f"energy/{n}"][first]
+                              for n in ("damping_loss", "sliding_work", "load_work"))):
         turnover = max(turnover, np.abs(values[first:]).max())
     close("summary/energy_turnover", data["summary/energy_turnover"], turnover)
-    close("summary/energy_residual", data["summary/energy_residual"], residual, 1e-9, 1e-12 * turnover)
-    close("summary/energy_closure", data["summary/energy_closure"], abs(residual) / turnover, 1e-9, 1e-12)
+    close("summary/energy_residual", data["summary/energy_residual"], residual, 1e-9,
+          1e-12 * turnover)
+    close("summary/energy_closure", data["summary/energy_closure"], abs(residual) / turnover,
+          1e-9, 1e-12)
     if scene["time"]["nodes"] == "all":
-        close("summary/nodes_evaluated", data["summary/nodes_evaluated"], len(data["surface/slider/height"]))
+        close("summary/nodes_evaluated", data["summary/nodes_evaluated"],
+              len(data["surface/slider/height"]))
     assert data["summary/nodes_evaluated"] > 0
     assert 0 < data["summary/step_seconds"] * steps <= data["summary/wall_seconds"] + 1e-12
     print(f"{path}: {len(begins)} shocks, {v_rms:.6g} m/s: every figure is what it should be")

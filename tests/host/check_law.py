@@ -42,7 +42,8 @@ for k, name in enumerate(law["exponents"], start=1):
     value = bread[k] @ x.T @ y
     half = scipy.stats.t.ppf(0.975, freedom) * error
     found = law["exponents"][name]
-    assert np.allclose([found["value"], found["low"], found["high"]], [value, value - half, value + half], rtol=1e-8), \
+    assert np.allclose([found["value"], found["low"], found["high"]],
+                       [value, value - half, value + half], rtol=1e-8), \
         (name, found, value, half)
 
 # lack of fit, of the seeds that have every point
@@ -63,7 +64,8 @@ share = (seeds * terms * box - 2) / (terms * (seeds - 1 - terms * box))
 share = min(1, max(share, 1 / terms))
 p = scipy.stats.f.sf(f, share * terms, share * terms * (seeds - 1))
 line = law["straight_line"]
-assert np.allclose([line["f"], *line["degrees_of_freedom"]], [f, share * terms, share * terms * (seeds - 1)],
+assert np.allclose([line["f"], *line["degrees_of_freedom"]],
+                   [f, share * terms, share * terms * (seeds - 1)],
                    rtol=1e-8), (line, f, share)
 assert np.isclose(line["p"], p, rtol=1e-6), (line, p)
 assert line["fits"] == bool(p >= 0.05)

@@ -18,7 +18,8 @@ table = xarray.open_dataset(sys.argv[1])
 assert list(table.level.dims) == ["scheme", "speed", "seed"], table.level.dims
 assert list(table.scheme.values) == ["adaptive", "heun", "rk4"], table.scheme.values
 assert list(table.speed.values) == [0.1, 0.3] and list(table.seed.values) == [0, 3]
-assert table.speed.attrs["units"] == "m s-1" and table.speed.attrs["long_name"] == "scene.speed", table.speed.attrs
+assert table.speed.attrs["units"] == "m s-1" and table.speed.attrs[
+    "long_name"] == "scene.speed", table.speed.attrs
 there = table.sel(scheme=["adaptive", "heun"])
 assert (there.status == 0).all() and (there.message == "").all()
 assert np.allclose(there.level, 20 * np.log10(there.v_rms / 1e-9), rtol=1e-12, atol=0)

@@ -8,7 +8,8 @@ BLOCK, LINE = 4096, 64  # bytes
 
 def seal_of(data):
     """What stands behind these bytes in a sealed file."""
-    table = b"".join(xxhash.xxh3_128_digest(data[at:at + BLOCK]) for at in range(0, len(data), BLOCK))
+    table = b"".join(xxhash.xxh3_128_digest(data[at:at + BLOCK])
+                     for at in range(0, len(data), BLOCK))
     return table + f"ra2d seal 2 {len(data):018} {xxhash.xxh3_128_hexdigest(table)}\n".encode()
 
 

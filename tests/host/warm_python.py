@@ -86,7 +86,8 @@ def started():
         address, client = os.path.join(folder, "socket"), Path(folder, "python3")
         client.write_text(CLIENT.format(python=sys.executable, address=address))
         client.chmod(0o755)
-        server = subprocess.Popen([sys.executable, __file__, address], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        server = subprocess.Popen([sys.executable, __file__, address], stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE)
         if server.stdout.readline() != b"ready\n":
             raise RuntimeError("the server of warm_python.py did not start")
         yield f"{folder}{os.pathsep}{os.environ['PATH']}"

@@ -49,7 +49,8 @@ import warm_python  # noqa: E402
 
 EARLIER = b"an earlier result\n"
 RUN, FORCE = ["run", "s.toml", "-o", "out.h5"], ["--force"]  # which alone replaces what is there
-BESIDE_OUTPUT = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")  # of a run that was cut off
+# of a run that was cut off
+BESIDE_OUTPUT = ("out.h5.parts", "out.h5.checkpoint", "out.h5.checkpoint.previous")
 MEMORY = 4 << 30  # bytes, of each process
 PATIENCE = 60.0   # s: with sanitizers, while other tests run, a study takes 20
 ENOUGH = 1.5      # s, after which a run that is long by its own plan is interrupted
@@ -103,11 +104,14 @@ NUMBERS = {
     "output.rate": (1e3, 1e7), "slider.load": (1e-6, 1e4),
 }
 for body, length, thick in (("resonator", 0.06, 1e-3), ("slider", 0.004, 4e-3)):
-    NUMBERS |= {f"{body}.length": (length / 3, length * 3), f"{body}.thickness": (thick / 10, thick * 10),
-                f"{body}.width": (1e-4, 1), f"{body}.young": (1e5, 1e13), f"{body}.density": (1, 1e6),
+    NUMBERS |= {f"{body}.length": (length / 3, length * 3),
+                f"{body}.thickness": (thick / 10, thick * 10),
+                f"{body}.width": (1e-4, 1), f"{body}.young": (1e5, 1e13),
+                f"{body}.density": (1, 1e6),
                 f"{body}.damping": (1e-6, 0.99), f"{body}.surface.rq": (1e-10, 1e-3),
                 f"{body}.surface.rsm": (1e-4, 1e-2)}
-EXTREMES = ["0", "-1", "5e-324", "-5e-324", "1e-300", "1e300", "1.7e308", "-1.7e308", "nan", "inf", "-inf",
+EXTREMES = ["0", "-1", "5e-324", "-5e-324", "1e-300", "1e300", "1.7e308", "-1.7e308", "nan",
+            "inf", "-inf",
             "9223372036854775807", "1e16", "1e-16", "true", "[]"]
 
 
@@ -130,7 +134,8 @@ class Folder:
 
 def start(program, words, folder):
     return subprocess.Popen([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL,
-                            stdout=open(folder.path / ".stdout", "wb"), stderr=open(folder.path / ".stderr", "wb"))
+                            stdout=open(folder.path / ".stdout", "wb"),
+                            stderr=open(folder.path / ".stderr", "wb"))
 
 
 def ended_within(process, seconds):
@@ -157,7 +162,8 @@ def planned_time(program, words, folder):
     """What a run takes at worst by its plan, in s; 0 where that says nothing."""
     words = [b"plan", *(word for word in words[1:] if word not in (b"-o", b"out.h5", b"--force"))]
     try:
-        plan = subprocess.run([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL, capture_output=True,
+        plan = subprocess.run([program, *words], cwd=folder.path, stdin=subprocess.DEVNULL,
+                              capture_output=True,
                               timeout=PATIENCE).stdout.decode()
     except subprocess.TimeoutExpired:
         return 0
@@ -175,9 +181,11 @@ def end_scene(process, program, words, folder):
     """The same of a run that may have a lot to do: then it is interrupted, once it marches.
     Whatever has little to do, or does not come to march, has to end by itself: a loop without end
     would be interrupted, too."""
-    if not ended_within(process, ENOUGH) and words[0] == b"run" and planned_time(program, words, folder) > LONG_RUN:
+    if not ended_within(process, ENOUGH) and words[0] == b"run" and planned_time(program, words,
+                                                                                 folder) > LONG_RUN:
         begun = time.monotonic()
-        while time.monotonic() - begun < PATIENCE and not marches(folder) and not ended_within(process, 0.1):
+        while time.monotonic() - begun < PATIENCE and not marches(folder) and not ended_within(
+            process, 0.1):
             pass
         if marches(folder):
             process.send_signal(signal.SIGINT)
@@ -196,12 +204,14 @@ def raw_characters(text):
         text = text.decode()
     except UnicodeDecodeError:
         return "bytes that are no UTF-8"
-    found = re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]", text)
+    found = re.search("[\x00-\x09\x0b-\x1f\x7f\x80-\x9f\u061c\u200e\u200f"
+                      "\u2028-\u202e\u2066-\u2069\ufeff]", text)
     return f"the control character {found.group()!r}" if found else None
 
 
 ALWAYS = ["level/v_rms", "level/lv"] + [f"summary/{name}" for name in (
-    "lv", "v_rms", "shock_rate", "contact_share", "nodes_evaluated", "energy_residual", "energy_turnover",
+    "lv", "v_rms", "shock_rate", "contact_share", "nodes_evaluated", "energy_residual",
+    "energy_turnover",
     "energy_closure", "step_seconds", "wall_seconds")]  # of a complete file
 
 
@@ -252,7 +262,8 @@ def check_outcome(folder, status, allowed, new_names=(), may_leave_partial=False
         if raw := raw_characters(text):
             found.append(f"{name} has {raw}")
     if status == 0:
-        if odd := re.search(rb"(?<![\w.])-?(nan|inf)\b", out.replace(b"-inf dB: the resonator did not vibrate", b"")):
+        if odd := re.search(rb"(?<![\w.])-?(nan|inf)\b",
+                            out.replace(b"-inf dB: the resonator did not vibrate", b"")):
             found.append(f"the report has {odd.group()!r}")
     elif status < 128 and not err.strip():
         found.append(f"ended with {status} without a word")
@@ -304,44 +315,64 @@ def damaged(text, dice):
 
 
 TEXTS = {
-    "empty": b"", "a zero": b"\0", "not UTF-8": b"[scene]\nname = '\xff'\n", "UTF-16": PLAIN.encode("utf-16"),
-    "byte-order mark": b"\xef\xbb\xbf" + PLAIN.encode(), "CR LF": PLAIN.replace("\n", "\r\n").encode(),
+    "empty": b"", "a zero": b"\0", "not UTF-8": b"[scene]\nname = '\xff'\n",
+    "UTF-16": PLAIN.encode("utf-16"),
+    "byte-order mark": b"\xef\xbb\xbf" + PLAIN.encode(),
+    "CR LF": PLAIN.replace("\n", "\r\n").encode(),
     "CR": PLAIN.replace("\n", "\r").encode(), "HDF5": b"\x89HDF\r\n\x1a\n" + bytes(1000),
     "17 MB": b"#" * 17_000_000, "comments": b"# x\n" * 100_000 + PLAIN.encode(),
     "dotted key": b"a." * 300_000 + b"a = 1", "dotted header": b"[" + b"a." * 300_000 + b"a]",
-    "quoted keys": b"'a'." * 300_000 + b"a = 1", "dotted in a table": b"x = {" + b"a." * 300_000 + b"a = 1}",
+    "quoted keys": b"'a'." * 300_000 + b"a = 1", "dotted in a table": b"x = {" + b"a." * 300_000
+    + b"a = 1}",
     "arrays": b"x = " + b"[" * 1_000_000, "tables": b"x = " + b"{a=" * 300_000,
-    "tables of dotted keys": b"x = " + b"{a.b.c.d.e=" * 100_000, "arrays of tables": b"[[a]]\n" * 100_000,
-    "headers": b"".join(b"[a.b%d]\n" % i for i in range(30_000)), "a long key": b"x" * 5_000_000 + b" = 1",
-    "a long text": b"x = '" + b"y" * 5_000_000 + b"'", "unknown keys": b"".join(b"k%d = 1\n" % i for i in range(20_000)),
-    "quotes": b'"' * 100_001, "backslashes": b'x = "' + b"\\" * 100_001, "many lines": b"\n" * 1_000_000,
+    "tables of dotted keys": b"x = " + b"{a.b.c.d.e=" * 100_000,
+    "arrays of tables": b"[[a]]\n" * 100_000,
+    "headers": b"".join(b"[a.b%d]\n" % i for i in range(30_000)),
+    "a long key": b"x" * 5_000_000 + b" = 1",
+    "a long text": b"x = '" + b"y" * 5_000_000 + b"'",
+    "unknown keys": b"".join(b"k%d = 1\n" % i for i in range(20_000)),
+    "quotes": b'"' * 100_001, "backslashes": b'x = "' + b"\\" * 100_001,
+    "many lines": b"\n" * 1_000_000,
     "bad probes": PLAIN.replace("[0.03]", "[" + "9, " * 200_000 + "]").encode(),
     "probes of text": PLAIN.replace("[0.03]", "[" + "'a', " * 100_000 + "]").encode(),
     "many probes": PLAIN.replace("[0.03]", "[" + "0.03, " * 20_000 + "]").encode(),
-    "a control name": SCENE.format(scene='name = "a\\u001b[2J\\u009b \\n \\u0000 \\u202e\\u2028"', resonator="", slider="").encode(),
-    "a long name": SCENE.format(scene=f'name = "{"n" * 3_000_000}"', resonator="", slider="").encode(),
-    "many peaks": PLAIN.replace('kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1', 'kind = "peaks", peaks = ['
+    "a control name": SCENE.format(scene='name = "a\\u001b[2J\\u009b \\n \\u0000 \\u202e\\u2028"',
+                                   resonator="", slider="").encode(),
+    "a long name": SCENE.format(scene=f'name = "{"n" * 3_000_000}"', resonator="",
+                                slider="").encode(),
+    "many peaks": PLAIN.replace('kind = "gaussian", rq = 1e-6, rsm = 4e-4, seed = 1',
+                                'kind = "peaks", peaks = ['
                                 + "{at=0.002,height=1e-6,half_width=1e-4}," * 3000 + "]").encode(),
     "many forces": SCENE.format(scene="", resonator="moving_force = ["
                                 + "{force=1e-3,speed=1,start=0}," * 3000 + "]", slider="").encode(),
     "a deep override": PLAIN.encode(),
 }
 OVERRIDES = [
-    "", "=", "=1", ".=1", "scene", "scene=1", "scene.=1", ".scene=1", "scene..x=1", "a b=1", "scene.speed=", "scene.speed==1",
-    "scene.speed=1\n2", "scene.speed=[", "scene.name=\x1b[31m", "scene.\x1b=1", "scene.name=" + "x" * 100_000, "x" * 100_000,
-    "scene.name=\udcff", "scene.speed={a=1}", "resonator={}", "resonator.surface=3", "output.probes=[1,[2]]",
-    "output.probes=[nan]", "scene.start.x.y=1", "time.scheme=\x00x"[:12], "a." * 60_000 + "a=1", "scene.x=" + "[" * 100_000,
+    "", "=", "=1", ".=1", "scene", "scene=1", "scene.=1", ".scene=1", "scene..x=1", "a b=1",
+    "scene.speed=", "scene.speed==1",
+    "scene.speed=1\n2", "scene.speed=[", "scene.name=\x1b[31m", "scene.\x1b=1",
+    "scene.name=" + "x" * 100_000, "x" * 100_000,
+    "scene.name=\udcff", "scene.speed={a=1}", "resonator={}", "resonator.surface=3",
+    "output.probes=[1,[2]]",
+    "output.probes=[nan]", "scene.start.x.y=1", "time.scheme=\x00x"[:12], "a." * 60_000 + "a=1",
+    "scene.x=" + "[" * 100_000,
     "resonator.surface={kind='file',path=''}", "resonator.surface={kind='file',path='.'}",
-    "resonator.surface={kind='file',path='\\u001b'}", "slider.surface={kind='file',path='/dev/zero'}",
-    "slider.surface={kind='file',path='/proc/self/mem'}", "slider.surface={kind='file',path='s.toml'}",
+    "resonator.surface={kind='file',path='\\u001b'}",
+    "slider.surface={kind='file',path='/dev/zero'}",
+    "slider.surface={kind='file',path='/proc/self/mem'}",
+    "slider.surface={kind='file',path='s.toml'}",
     "slider.surface={kind='file',path='" + "p" * 5000 + "'}",
-    "resonator.moving_force=[{force=1e300,speed=1e300,start=0}]", "resonator.moving_force=[{force=1,speed=1e9,start=-1}]",
-    "resonator.moving_force=[{force=nan,speed=1,start=0}]", "resonator.moving_force=[{force=1,speed=0,start=1e308}]",
+    "resonator.moving_force=[{force=1e300,speed=1e300,start=0}]",
+    "resonator.moving_force=[{force=1,speed=1e9,start=-1}]",
+    "resonator.moving_force=[{force=nan,speed=1,start=0}]",
+    "resonator.moving_force=[{force=1,speed=0,start=1e308}]",
     "slider.surface={kind='peaks',peaks=[{at=0.002,height=1e300,half_width=1e-4}]}",
     "slider.surface={kind='peaks',peaks=[{at=0.002,height=1e-6,half_width=5e-324}]}",
     "slider.surface={kind='peaks',peaks=[{at=1e308,height=1,half_width=1.7e308}]}",
-    "resonator.modes=1000000", "resonator.modes=-1", "resonator.modes=256", "resonator.max_frequency=1e300",
-    "resonator.surface.seed=9223372036854775807", "resonator.surface.seed=-1", "resonator.surface.correlation_length=1",
+    "resonator.modes=1000000", "resonator.modes=-1", "resonator.modes=256",
+    "resonator.max_frequency=1e300",
+    "resonator.surface.seed=9223372036854775807", "resonator.surface.seed=-1",
+    "resonator.surface.correlation_length=1",
 ]
 
 
@@ -349,7 +380,8 @@ CHARTS = [  # refused, as a scene of them would be, and before anything is writt
     "accuracy s.toml --budget nan", "accuracy s.toml --budget 1e300", "accuracy s.toml --budget -1",
     "accuracy s.toml --peers s.toml", "accuracy s.toml -o .", "stability s.toml -o nowhere/x",
     *(f"{kind} s.toml --set {given}" for kind in ("accuracy", "stability")
-      for given in ("resonator.max_frequency=1e9", "resonator.modes=1000000", "time.step=nan", "time.step=0",
+      for given in ("resonator.max_frequency=1e9", "resonator.modes=1000000", "time.step=nan",
+                    "time.step=0",
                     "scene.spacing=5e-324", "contact.stiffness=inf", "slider.young=1e300"))]
 
 
@@ -365,7 +397,8 @@ def random_overrides(dice):
     for key in dice.sample(list(NUMBERS), dice.randrange(1, 5)):
         low, high = NUMBERS[key]
         given.append(f"{key}={log_uniform(dice, low, high):.6g}")
-    scheme = dice.choice(["explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8", "exact", "adaptive"])
+    scheme = dice.choice(["explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
+                          "exact", "adaptive"])
     given.append(f"time.scheme={scheme}")
     if dice.random() < 0.3:
         given.append("contact.law=multiplier")
@@ -385,7 +418,8 @@ def random_overrides(dice):
 
 def scene_cases(times, dice):
     """Name, text, overrides; of a chart, its words."""
-    cases = [(f"{key}={value}", PLAIN.encode(), [f"{key}={value}"]) for key in NUMBERS for value in EXTREMES]
+    cases = [(f"{key}={value}", PLAIN.encode(), [f"{key}={value}"]) for key in NUMBERS
+             for value in EXTREMES]
     cases += [(name, text, ["a." * 60_000 + "a=1"] if name == "a deep override" else [])
               for name, text in TEXTS.items()]
     cases += [(f"override {text[:40]!r}", PLAIN.encode(), [text]) for text in OVERRIDES]
@@ -437,7 +471,8 @@ def sdf(rows, binary):
         numbers = struct.pack("<HHddddBBB", len(rows), 1, step, step, 1e-9, 0, 0, 6, 0)
         return (b"bISO-1.0us        " + b"211120260000" * 2 + numbers
                 + b"".join(struct.pack("<i", round(z * 1e9)) for _, z in rows))
-    head = f"aISO-1.0\nNumPoints = {len(rows)}\nNumProfiles = 1\nXscale = {step}\nZscale = 1e-9\nDataType = 7\n*\n"
+    head = (f"aISO-1.0\nNumPoints = {len(rows)}\nNumProfiles = 1\nXscale = {step}\nZscale = "
+            "1e-9\nDataType = 7\n*\n")
     return (head + "\n".join(f"{z * 1e9:.6g}" for _, z in rows) + "\n*\n").encode()
 
 
@@ -447,13 +482,16 @@ def x3p(rows):
     main = ("<p:ISO5436_2 xmlns:p='o'><Record1><Axes>"
             f"<CX><AxisType>I</AxisType><Increment>{step}</Increment></CX>"
             "<CZ><AxisType>A</AxisType><DataType>D</DataType></CZ></Axes></Record1><Record3>"
-            f"<MatrixDimension><SizeX>{len(rows)}</SizeX><SizeY>1</SizeY><SizeZ>1</SizeZ></MatrixDimension>"
+            f"<MatrixDimension><SizeX>{len(rows)}</SizeX><SizeY>1</SizeY><SizeZ>1</SizeZ>"
+            "</MatrixDimension>"
             "<DataLink><PointDataLink>bindata/data.bin</PointDataLink><MD5ChecksumPointData>"
-            f"{hashlib.md5(data).hexdigest()}</MD5ChecksumPointData></DataLink></Record3></p:ISO5436_2>").encode()
+            f"{hashlib.md5(data).hexdigest()}</MD5ChecksumPointData></DataLink></Record3>"
+            "</p:ISO5436_2>").encode()
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         md5 = hashlib.md5(main).hexdigest()
-        for name, content in (("main.xml", main), ("md5checksum.hex", md5), ("bindata/data.bin", data)):
+        for name, content in (("main.xml", main), ("md5checksum.hex", md5),
+                              ("bindata/data.bin", data)):
             archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
     return packed.getvalue()
 
@@ -463,24 +501,36 @@ def profile_cases(times, dice):
     rows = face(dice)
     good = csv(rows)
     cases = [
-        ("good", good), ("blanks", csv(rows, "{:.6e}  {:.6e}")), ("CR LF", csv(rows, line_end="\r\n")),
+        ("good", good), ("blanks", csv(rows, "{:.6e}  {:.6e}")),
+        ("CR LF", csv(rows, line_end="\r\n")),
         ("names", b"x,z\n" + good), ("semicolons", csv(rows, "{:.6e};{:.6e}")),
-        ("decimal commas", csv(rows, "{:.6f};{:.9f}").replace(b".", b",")), ("CR", csv(rows, line_end="\r")),
-        ("UTF-16", good.decode().encode("utf-16")), ("BOM", b"\xef\xbb\xbf" + good), ("empty", b""), ("a zero", b"\0"),
+        ("decimal commas", csv(rows, "{:.6f};{:.9f}").replace(b".", b",")),
+        ("CR", csv(rows, line_end="\r")),
+        ("UTF-16", good.decode().encode("utf-16")), ("BOM", b"\xef\xbb\xbf" + good), ("empty", b""),
+        ("a zero", b"\0"),
         ("zeros", bytes(100_000)), ("blank lines", b"\n" * 100_000), ("one point", csv(rows[:1])),
-        ("two points", b"0 0\n1 0\n"), ("names alone", b"x z\n"), ("comments", b"# a\n" * 50_000 + good),
-        ("commas", b"," * 5_000_000), ("a long line", b"1 " * 3_000_000), ("a long comment", b"#" + b"-" * 5_000_000),
-        ("long lines", (b"," * 60_000 + b"\n") * 100), ("control", b"0 \x1b[2J\n1 \x07\n"), ("C1", b"0 \xc2\x9b\n1 2\n"),
-        ("HDF5", b"\x89HDF\r\n\x1a\n" + bytes(1000)), ("nan", good.replace(b"e-07", b"e-07 nan", 1)),
-        ("no end", good.rstrip()), ("reversed", csv(rows[::-1])), ("constant x", csv([(0, z) for _, z in rows])),
-        ("three columns", csv(rows, "{0:.6e},{1:.6e},{1:.6e}")), ("one column", csv(rows, "{1:.6e}")),
+        ("two points", b"0 0\n1 0\n"), ("names alone", b"x z\n"),
+        ("comments", b"# a\n" * 50_000 + good),
+        ("commas", b"," * 5_000_000), ("a long line", b"1 " * 3_000_000),
+        ("a long comment", b"#" + b"-" * 5_000_000),
+        ("long lines", (b"," * 60_000 + b"\n") * 100), ("control", b"0 \x1b[2J\n1 \x07\n"),
+        ("C1", b"0 \xc2\x9b\n1 2\n"),
+        ("HDF5", b"\x89HDF\r\n\x1a\n" + bytes(1000)),
+        ("nan", good.replace(b"e-07", b"e-07 nan", 1)),
+        ("no end", good.rstrip()), ("reversed", csv(rows[::-1])),
+        ("constant x", csv([(0, z) for _, z in rows])),
+        ("three columns", csv(rows, "{0:.6e},{1:.6e},{1:.6e}")),
+        ("one column", csv(rows, "{1:.6e}")),
         ("large", csv([(x, 1.7e308 * (n % 2)) for n, (x, _) in enumerate(rows)])),
-        ("far", csv([(x * 1e306, z) for x, z in rows])), ("small", csv([(x, 5e-324) for x, _ in rows])),
-        ("short", csv(rows[:50])), ("100 000 points", csv(face(dice, 100_000, 1e-7), "{:.9e} {:.3e}")),
+        ("far", csv([(x * 1e306, z) for x, z in rows])),
+        ("small", csv([(x, 5e-324) for x, _ in rows])),
+        ("short", csv(rows[:50])),
+        ("100 000 points", csv(face(dice, 100_000, 1e-7), "{:.9e} {:.3e}")),
     ]
     for x_unit in (1, 1e-3, 1e-6, 1e-9):
         for z_unit in (1e-3, 1e-6, 1e-9):
-            cases.append((f"units {x_unit} {z_unit}", csv([(x / x_unit, z / z_unit) for x, z in rows])))
+            cases.append((f"units {x_unit} {z_unit}",
+                          csv([(x / x_unit, z / z_unit) for x, z in rows])))
     for i in range(20 * times):
         cases.append((f"cut {i}", good[:dice.randrange(len(good))]))
     for i in range(25 * times):
@@ -488,7 +538,8 @@ def profile_cases(times, dice):
         for _ in range(dice.randrange(1, 4)):
             data[dice.randrange(len(data))] = dice.choice(b"0123456789eE+-., \n\t#x\x00\xff")
         cases.append((f"changed {i}", bytes(data)))
-    for kind, good in (("SDF", sdf(rows, False)), ("binary SDF", sdf(rows, True)), ("X3P", x3p(rows))):
+    for kind, good in (("SDF", sdf(rows, False)), ("binary SDF", sdf(rows, True)),
+                       ("X3P", x3p(rows))):
         cases.append((f"good {kind}", good))
         for i in range(5 * times):
             cases.append((f"cut {kind} {i}", good[:dice.randrange(len(good))]))
@@ -541,7 +592,8 @@ def try_kill(program, case, dice):
 def signal_cases(times, dice):
     kinds = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
     setups = ["", "", "scene.spacing=2e-7", "resonator.modes=120", "scene.initial=static"]
-    return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3), i % 3 == 2, setup)
+    return [(f"{kinds[i % 4].name} {i} {setup}", kinds[i % 4], dice.uniform(0, 0.3),
+             i % 3 == 2, setup)
             for i in range(30 * times) for setup in [dice.choice(setups)]]
 
 
@@ -566,19 +618,22 @@ def try_signal(program, case, dice):
 # ---- runs that go on
 
 
-SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
+SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "backward-euler",
+                                               "heun", "rk4", "rk8",
                                                "exact", "adaptive")
            for law in ("penalty", "multiplier") for force in ("old", "new")
            if (force == "old" or (scheme, law) == ("backward-euler", "penalty"))
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
 RESUMED = PLAIN.replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
-CUTS = Counter()  # how runs that were to go on were cut off, and how often they went on from a checkpoint
+# how runs that were to go on were cut off, and how often they went on from a checkpoint
+CUTS = Counter()
 
 
 def resume_cases(times, dice):
     """A scheme and a law, and other surfaces."""
-    return [(f"{' '.join(SCHEMES[i % len(SCHEMES)])} {i}", SCHEMES[i % len(SCHEMES)], dice.randrange(1000))
+    return [(f"{' '.join(SCHEMES[i % len(SCHEMES)])} {i}", SCHEMES[i % len(SCHEMES)],
+             dice.randrange(1000))
             for i in range(len(SCHEMES) * times)]
 
 
@@ -587,7 +642,8 @@ def content(path):
     found = {}
     with h5py.File(path) as file:
         def visit(name, node):
-            if isinstance(node, h5py.Dataset) and not name.endswith(("_seconds", "nodes_evaluated")):
+            if isinstance(node,
+                          h5py.Dataset) and not name.endswith(("_seconds", "nodes_evaluated")):
                 found[name] = node[()].tobytes()
         file.visititems(visit)
         found["complete"] = bool(file.attrs["complete"])
@@ -597,8 +653,10 @@ def content(path):
 def try_resume(program, case, dice):
     _, (scheme, law, force), seed = case
     folder = Folder(RESUMED.replace("2e-5", "0.012" if SLOWER == 1 else "0.004"))
-    words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set", f"contact.law={law}", "--set",
-             f"time.contact_force={force}", "--set", "time.force=true", "--set", f"slider.surface.seed={seed}"]
+    words = ["run", "s.toml", "--set", f"time.scheme={scheme}", "--set",
+             f"contact.law={law}", "--set",
+             f"time.contact_force={force}", "--set", "time.force=true", "--set",
+             f"slider.surface.seed={seed}"]
     status = end(start(program, [*words, "-o", "whole.h5"], folder))
     if status != 0:
         return folder, status, [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
@@ -628,14 +686,16 @@ def try_resume(program, case, dice):
 
 def study_cases(times, dice):
     """How many threads, whether results are kept, and other surfaces."""
-    return [(f"{1 + i % 2} threads, {'kept' if i % 4 < 2 else 'not kept'} {i}", 1 + i % 2, i % 4 < 2, dice.randrange(1000))
+    return [(f"{1 + i % 2} threads, {'kept' if i % 4 < 2 else 'not kept'} {i}", 1 + i % 2,
+             i % 4 < 2, dice.randrange(1000))
             for i in range(2 * times)]
 
 
 def study_content(folder):
     """The table without times, and the results that are kept."""
     with h5py.File(folder / "results.h5") as file:
-        found = {name: file[name][()].tobytes() for name in file if name != "wall_seconds" and file[name].dtype.kind != "O"}
+        found = {name: file[name][()].tobytes() for name in file if name != "wall_seconds"
+                 and file[name].dtype.kind != "O"}
     for kept in sorted(folder.glob("runs/*.h5")):
         found |= {f"{kept.name}/{name}": value for name, value in content(kept).items()}
     return found
@@ -645,11 +705,13 @@ def try_study(program, case, dice):
     """Every scheme and law in one study, killed again and again."""
     _, threads, kept, seed = case
     folder = Folder(RESUMED.replace("2e-5", "0.04" if SLOWER == 1 else "0.004"))
-    values = ", ".join(f'["{scheme} {law} {force}", "{scheme}", "{law}", "{force}"]' for scheme, law, force in SCHEMES)
+    values = ", ".join(f'["{scheme} {law} {force}", "{scheme}", "{law}", "{force}"]'
+                       for scheme, law, force in SCHEMES)
     (folder.path / "study.toml").write_text(
         f'base = "s.toml"\nkeep = {["level", "shocks", *["files"] * kept]}\n'
         f'[set]\n"time.force" = true\n"slider.surface.seed" = {seed}\n'
-        '[vary]\nscheme = { keys = ["scene.name", "time.scheme", "contact.law", "time.contact_force"], '
+        '[vary]\nscheme = { keys = ["scene.name", "time.scheme", "contact.law", '
+        '"time.contact_force"], '
         f'values = [{values}] }}\n')
     words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", "1e-4"]
     status = end(start(program, [*words, "-o", "whole"], folder))
@@ -680,8 +742,10 @@ def try_study(program, case, dice):
 
 
 MADE = {}  # what the cases begin with, made once: the bytes of a result, and a study's folder
-READERS = {"analyze": ["analyze", "out.h5"], "json": ["analyze", "out.h5", "--json"], "report": ["report", "out.h5", "-o", "page.html"],
-           "sound": ["sound", "out.h5", "-o", "noise.wav"], "plot": ["plot", "out.h5", "-o", "picture.png"],
+READERS = {"analyze": ["analyze", "out.h5"], "json": ["analyze", "out.h5", "--json"],
+           "report": ["report", "out.h5", "-o", "page.html"],
+           "sound": ["sound", "out.h5", "-o", "noise.wav"],
+           "plot": ["plot", "out.h5", "-o", "picture.png"],
            "check": ["check", "out.h5"], "run": ["run", "s.toml", "-o", "out.h5"],
            "several": ["analyze", "whole.h5", "out.h5"]}
 SEAL = seal.LINE  # bytes at the very end
@@ -725,7 +789,8 @@ def make_once(program):
         return
     folder = Folder(PLAIN.replace("duration = 2e-5", "duration = 1e-3"))
     (folder.path / "study.toml").write_text(
-        'base = "s.toml"\nkeep = ["level", "shocks", "files"]\nseeds = 2\n[vary]\nspeed = { key = "scene.speed", values = [0.2, 0.5] }\n')
+        'base = "s.toml"\nkeep = ["level", "shocks", "files"]\nseeds = 2\n[vary]\nspeed = { key = '
+        '"scene.speed", values = [0.2, 0.5] }\n')
     for words in (["run", "s.toml", "-o", "whole.h5"], ["study", "study.toml", "-o", "study"]):
         if end(start(program, words, folder)) != 0:
             sys.exit(f"{words} failed: {printed(folder)[1][-300:]!r}")
@@ -749,7 +814,8 @@ def places_of_metadata(file):
         def visit(_, node):
             if not isinstance(node, h5py.Dataset):
                 return
-            chunks = [node.id.get_chunk_info(i) for i in range(node.id.get_num_chunks())] if node.chunks else []
+            chunks = [node.id.get_chunk_info(i)
+                      for i in range(node.id.get_num_chunks())] if node.chunks else []
             parts = [(chunk.byte_offset, chunk.size) for chunk in chunks]
             if not node.chunks and node.id.get_offset():
                 parts = [(node.id.get_offset(), node.id.get_storage_size())]
@@ -768,7 +834,8 @@ def spoil_bytes(data, choice, dice):
     elif choice == "bit of the metadata":
         data[dice.choice(MADE["metadata"])] ^= 1 << dice.randrange(8)
     elif choice == "bit of the seal":
-        data[-1 - dice.randrange(len(data) - len(seal.without_seal(data)))] ^= 1 << dice.randrange(8)
+        data[-1
+             - dice.randrange(len(data) - len(seal.without_seal(data)))] ^= 1 << dice.randrange(8)
     elif choice == "cut":
         del data[dice.choice([at, 5000, len(data) - 1, len(data) - SEAL, 8, 0]):]
     elif choice == "longer":
@@ -791,7 +858,8 @@ def first_number(file):
 
 EDITS = {  # what h5py makes of a file, on purpose
     "opened to be written": lambda file: None,
-    "scene": lambda file: file.attrs.modify("scene" if "scene" in file.attrs else "base", "x = 1\n"),
+    "scene": lambda file: file.attrs.modify("scene" if "scene" in file.attrs
+                                            else "base", "x = 1\n"),
     "complete": lambda file: file.attrs.modify("complete", 0),
     "unit": lambda file: first_number(file).attrs.modify("units", "km"),
     "value": lambda file: first_number(file).__setitem__(..., 0.25),
@@ -818,19 +886,29 @@ def forge(name, value):
             else:
                 values = numpy.float64(value)
             dataset[...] = values
-            dataset.attrs.modify("xxh3_128", xxhash.xxh3_128_hexdigest(numpy.ascontiguousarray(values).tobytes()))
+            dataset.attrs.modify("xxh3_128",
+                                 xxhash.xxh3_128_hexdigest(
+                                     numpy.ascontiguousarray(values).tobytes()))
     return edit
 
 
 FORGED = {  # numbers that no run comes to
-    "a shock without end": forge("shocks/duration", 1e300), "a shock longer than the run": forge("shocks/duration", 2e-3),
-    "a shock after the end": forge("shocks/start", 1e6), "a shock of no duration": forge("shocks/duration", math.nan),
-    "a shock elsewhere": forge("shocks/position", 7.0), "a time after the end": forge("time", 5e300),
-    "a frequency": forge("resonator/frequency", -1.0), "a frequency without end": forge("slider/frequency", math.inf),
-    "a probe elsewhere": forge("probes/position", 1e9), "a level": forge("level/lv summary/lv", 200.0),
-    "a velocity": forge("level/v_rms summary/v_rms", 1.0), "one of two levels": forge("level/lv", 1.0),
-    "a share": forge("summary/contact_share", 2.0), "a number of steps": lambda file: file.attrs.modify("steps", -5),
-    "a size": lambda file: file["shocks/start"].resize((10 ** 12,)), "a large size": lambda file: file["time"].resize((10 ** 6,)),
+    "a shock without end": forge("shocks/duration", 1e300),
+    "a shock longer than the run": forge("shocks/duration", 2e-3),
+    "a shock after the end": forge("shocks/start", 1e6),
+    "a shock of no duration": forge("shocks/duration", math.nan),
+    "a shock elsewhere": forge("shocks/position", 7.0),
+    "a time after the end": forge("time", 5e300),
+    "a frequency": forge("resonator/frequency", -1.0),
+    "a frequency without end": forge("slider/frequency", math.inf),
+    "a probe elsewhere": forge("probes/position", 1e9),
+    "a level": forge("level/lv summary/lv", 200.0),
+    "a velocity": forge("level/v_rms summary/v_rms", 1.0),
+    "one of two levels": forge("level/lv", 1.0),
+    "a share": forge("summary/contact_share", 2.0),
+    "a number of steps": lambda file: file.attrs.modify("steps", -5),
+    "a size": lambda file: file["shocks/start"].resize((10 ** 12,)),
+    "a large size": lambda file: file["time"].resize((10 ** 6,)),
 }
 
 SPOILT = ["bit", "bit of the metadata", "bit of the seal", "cut", "longer", "zeros", "moved"]
@@ -841,7 +919,8 @@ def reader_cases(times, dice):
     cases += [(f"changed: {name}", "changed", name) for name in EDITS]
     cases += [(f"forged: {name}", "forged", name) for name in FORGED]
     cases += [(f"forged bit {i}", "forged bit", "") for i in range(15 * times)]
-    cases += [(f"study's {what}: {choice} {i}", f"study {what}", choice) for i in range(times) for what in ("table", "kept result")
+    cases += [(f"study's {what}: {choice} {i}", f"study {what}", choice) for i in range(times)
+              for what in ("table", "kept result")
               for choice in [*SPOILT, *EDITS]]
     dice.shuffle(cases)
     return cases
@@ -909,7 +988,8 @@ def try_reader(program, case, dice):
         if choice in MAY_GO_UNSEEN and name in READS_A_PART:
             status, _, _, wrong = ask_reader(program, folder, words)
         else:
-            status, _, _, wrong = ask(program, folder, words, (2,) if name.startswith("run") and allowed == (4,) else allowed)
+            status, _, _, wrong = ask(program, folder, words, (2,) if name.startswith("run")
+                                      and allowed == (4,) else allowed)
         found += wrong
         if result.read_bytes() != data:
             found.append(f"{name} changed the file")
@@ -926,7 +1006,8 @@ def try_study_reader(program, kind, choice, dice):
         (folder.path / path).parent.mkdir(parents=True, exist_ok=True)
         (folder.path / path).write_bytes(content)
     of_table = kind == "study table"
-    file = folder.path / ("study/results.h5" if of_table else dice.choice([p for p in MADE["study"] if p.parts[1] == "runs"]))
+    file = folder.path / ("study/results.h5" if of_table
+                          else dice.choice([p for p in MADE["study"] if p.parts[1] == "runs"]))
     whole = file.read_bytes()
     if choice in EDITS:
         data = edited(whole, EDITS[choice], file)
@@ -937,16 +1018,19 @@ def try_study_reader(program, kind, choice, dice):
     file.write_bytes(data)
     found = []
     status, _, err, wrong = ask(program, folder, ["check", "study"], (4,))
-    found += wrong + ([] if file.name.encode() in err else [f"check does not name {file.name}: {err[:300]!r}"])
+    found += wrong + ([] if file.name.encode() in err
+                      else [f"check does not name {file.name}: {err[:300]!r}"])
     if of_table:
         for words in READS_A_PART_OF_STUDY:
-            found += (ask_reader(program, folder, words) if choice in MAY_GO_UNSEEN else ask(program, folder, words, (4,)))[3]
+            found += (ask_reader(program, folder, words) if choice in MAY_GO_UNSEEN
+                      else ask(program, folder, words, (4,)))[3]
         if choice not in MAY_GO_UNSEEN:
             found += ask(program, folder, ["plot", "study", "-o", "picture.png"], (4,))[3]
         found += ask(program, folder, ["study", "merge", "study"], (0,))[3]
     else:
         _, _, err, wrong = ask(program, folder, ["study", "study.toml", "-o", "study"], (0,))
-        found += wrong + ([] if b"its run is made again" in err or not data else [f"the study says nothing: {err[:300]!r}"])
+        found += wrong + ([] if b"its run is made again" in err or not data
+                          else [f"the study says nothing: {err[:300]!r}"])
     found += [f"afterwards: {what}" for what in ask(program, folder, ["check", "study"], (0,))[3]]
     return folder, status, found
 
@@ -958,18 +1042,21 @@ PARTS = {"resumes": (resume_cases, try_resume), "studies": (study_cases, try_stu
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("--times", type=int, default=1)
     parser.add_argument("--share", default="1/1")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--kills", type=int, default=0)
-    parser.add_argument("--sanitized", action="store_true", help="the program is: it reserves memory without end")
+    parser.add_argument("--sanitized", action="store_true",
+                        help="the program is: it reserves memory without end")
     options = parser.parse_args()
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if not options.sanitized:
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))  # of this program's own children too
+        # of this program's own children too
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     else:
         global SLOWER
         SLOWER = 6
@@ -995,11 +1082,15 @@ def attempts(options):
             wrong += 1
             print(f"{case[0][:300]!r}:", *found, sep="\n    ", flush=True)
         folder.close()
-    endings = ", ".join(f"{count} with {status}" for status, count in sorted(ended.items(), key=str))
-    print(f"{options.part} {options.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} s: {endings}; "
-          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}" if status != "went on" else f"; went on {count} times"
+    endings = ", ".join(f"{count} with {status}"
+                        for status, count in sorted(ended.items(), key=str))
+    print(f"{options.part} {options.share}: {len(cases)} ended in {time.monotonic() - begun:.1f} "
+          f"s: {endings}; "
+          f"{wrong} at fault" + "".join(f"; cut off {count} times with {status}"
+                                        if status != "went on" else f"; went on {count} times"
                                    for status, count in CUTS.items()))
-    too_few = CUTS[128 + signal.SIGKILL] < options.kills or ("went on" in CUTS and CUTS["went on"] < len(cases))
+    too_few = CUTS[128 + signal.SIGKILL] < options.kills or ("went on" in CUTS
+                                                             and CUTS["went on"] < len(cases))
     return 1 if wrong or too_few else 0
 
 

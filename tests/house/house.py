@@ -18,18 +18,22 @@ import re
 import sys
 
 # From the ground up.
-HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "scene_file", "result", "store", "analysis",
+HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "scene_file", "result",
+        "store", "analysis",
         "model", "device", "plan", "run", "ensemble", "study", "savings", "chart", "commands"]
 # What reads and writes files: it reaches neither kernels/ nor host/device, by no chain of includes,
 # but for what a scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
-KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes", "displacement", "gap", "place",
-           "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed", "adaptive", "march"]
+KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes",
+           "displacement", "gap", "place",
+           "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed",
+           "adaptive", "march"]
 
 INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
 KOKKOS = re.compile(r"^\s*#include <(Kokkos_[^>]+)>", re.MULTILINE)
-TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: ?:[^:;()][^;()]*)? \{", re.MULTILINE)
+TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: "
+                  r"?:[^:;()][^;()]*)? \{", re.MULTILINE)
 
 
 def floor_of(path):
@@ -49,7 +53,8 @@ def without_comments(text):
 def named_types(text):
     """Types defined in namespace ra2d itself: at the left margin, outside unnamed namespaces."""
     text = without_comments(text)
-    for unnamed in re.findall(r"^namespace \{\n.*?^\}  ?\n|^namespace \{\n.*?^\}\s*$", text, re.DOTALL | re.MULTILINE):
+    for unnamed in re.findall(r"^namespace \{\n.*?^\}  ?\n|^namespace \{\n.*?^\}\s*$", text,
+                              re.DOTALL | re.MULTILINE):
         text = text.replace(unnamed, "")
     return TYPE.findall(text)
 
@@ -61,7 +66,8 @@ def path_to_device(path, includes):
     while chains:
         chain = chains.pop(0)
         for included in includes.get(chain[-1], []):
-            if included.startswith(("Kokkos_", "kernels/", "host/device/")) and included not in IN_SCENES:
+            if included.startswith(("Kokkos_", "kernels/",
+                                    "host/device/")) and included not in IN_SCENES:
                 return chain + [included]
             if included not in seen:
                 seen.add(included)

@@ -8,7 +8,8 @@ usage: language.py SOURCE_FOLDER [FOLDER_OR_FILE...]
 Of all .hpp, .cpp and .py files, scripts of bash and CMake below kernels, host, tests, bench and
 cmake, or of those named:
 
-- no line of comment is longer than 100 columns;
+- no line of comment is longer than 100 columns, nor any line of Python, but for one string that
+  cannot be parted (clang-format sees to C++);
 - no comment of a declaration (///) begins with "...", "The same", "What" or "Who": it begins with
   the thing;
 - no name is one of PRIVATE_NAMES, or one with "_" behind it: they once meant something to their
@@ -76,6 +77,9 @@ def of_scripts(path, text):
 def of_python(path, text):
     """Names of Python: what stands in strings, formatted ones too, is not seen."""
     yield from of_scripts(path, text)
+    for number, line in enumerate(text.split("\n"), 1):
+        if len(line) > 100 and not line.lstrip().startswith("#") and len(line.split()) > 1:
+            yield f"{path}:{number}: {len(line)} columns"
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         name = token.string
         if token.type == tokenize.NAME and name in PRIVATE_NAMES and not keyword.iskeyword(name):
@@ -91,7 +95,8 @@ def faults_of(path, text):
             yield f"{path}:{number}: a comment of {len(line)} columns"
         if comment and comment.group(1) == "///":
             if not begun and BEGINS.match(comment.group(3)):
-                yield f"{path}:{number}: begins with '{BEGINS.match(comment.group(3)).group(0)}': {line.strip()}"
+                yield (f"{path}:{number}: begins with '{BEGINS.match(comment.group(3)).group(0)}': "
+                       f"{line.strip()}")
             begun = True
             continue
         begun = False

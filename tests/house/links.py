@@ -22,7 +22,8 @@ SKIPPED = {".git", "build"}  # folders of other people's files
 
 
 def pages_of(root):
-    return sorted(page for page in root.rglob("*.md") if not SKIPPED & set(page.relative_to(root).parts))
+    return sorted(page for page in root.rglob("*.md")
+                  if not SKIPPED & set(page.relative_to(root).parts))
 
 
 def anchors_of(text):
@@ -38,7 +39,8 @@ def anchors_of(text):
 def faults_of(root, page, anchors):
     prose = FENCE.sub("", page.read_text())
     for path in PATH.findall(prose):
-        if not re.search(r"(?<![A-Za-z])[A-Z]{3,}(?![A-Za-z])", path) and not (root / path).exists():
+        if not re.search(r"(?<![A-Za-z])[A-Z]{3,}(?![A-Za-z])",
+                         path) and not (root / path).exists():
             yield f"{page.relative_to(root)}: `{path}`: no such file"
     text = CODE.sub("", prose)
     for inline, reference in LINK.findall(text):

@@ -49,10 +49,12 @@ def main():
                 expect_in_order(text, printed)
                 printed = ""
             else:
-                done = subprocess.run(["bash", "-euc", text], cwd=folder, env=environment, text=True, capture_output=True,
+                done = subprocess.run(["bash", "-euc", text], cwd=folder, env=environment,
+                                      text=True, capture_output=True,
                                       timeout=300, check=False)
                 if done.returncode:
-                    raise SystemExit(f"{text}ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+                    raise SystemExit(f"{text}ended with "
+                                     f"{done.returncode}:\n{done.stdout}{done.stderr}")
                 printed += done.stdout
                 for name in re.findall(r"# (\S+\.\w+)", text):
                     if not pathlib.Path(folder, name.rstrip(":")).is_file():

@@ -17,7 +17,8 @@ import shlex
 import subprocess
 import sys
 
-FORMS = ["implicit", "adaptive", "staged", "semi_implicit"]  # Form in kernels/tables.hpp; the longest first
+# Form in kernels/tables.hpp; the longest first
+FORMS = ["implicit", "adaptive", "staged", "semi_implicit"]
 SOURCE = pathlib.Path(__file__).resolve().parent / "march.cu"
 
 
@@ -25,7 +26,8 @@ def flags_of(build):
     """How the build compiles a march: its command without what goes in and comes out."""
     listed = build / "compile_commands.json"
     if not listed.exists():
-        raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset cuda)")
+        raise SystemExit(f"{listed} is not there: configure a CUDA build first (cmake --preset "
+                         "cuda)")
     for entry in json.loads(listed.read_text()):
         if re.search(r"/generated/march_\w+\.cpp$", entry["file"]) and "-arch=" in entry["command"]:
             words = shlex.split(entry["command"])[1:]
@@ -37,16 +39,21 @@ def flags_of(build):
 def make(build, flags, form, out):
     """Compiles one form."""
     wrapper = build / "_deps/kokkos-src/bin/nvcc_wrapper"
-    options = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}", "-DRA2D_PTX_PORTABLE_FUNCTIONS",
+    options = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}",
+               "-DRA2D_PTX_PORTABLE_FUNCTIONS",
              "-c", SOURCE, "-o", out]
-    shown = subprocess.run([str(word) for word in options], cwd=build, capture_output=True, text=True)
+    shown = subprocess.run([str(word) for word in options], cwd=build,
+                           capture_output=True, text=True)
     if shown.returncode != 0:
-        raise SystemExit(f"{wrapper} does not say how it calls nvcc:\n{shown.stdout + shown.stderr}")
+        raise SystemExit(f"{wrapper} does not say how it calls nvcc:\n"
+                         f"{shown.stdout + shown.stderr}")
     # what the wrapper would run, but for PTX
-    command = ["-ptx" if word == "-c" else word for word in shlex.split(shown.stdout.splitlines()[-1])]
+    command = ["-ptx" if word == "-c" else word
+               for word in shlex.split(shown.stdout.splitlines()[-1])]
     done = subprocess.run(command, cwd=build, capture_output=True, text=True)
     if done.returncode != 0:
-        raise SystemExit(f"{form}: {SOURCE} does not compile:\n{(done.stdout + done.stderr)[-3000:]}")
+        raise SystemExit(f"{form}: {SOURCE} does not "
+                         f"compile:\n{(done.stdout + done.stderr)[-3000:]}")
 
 
 def main():

@@ -96,16 +96,20 @@ def until(what, condition, seconds=120):
 
 
 def run(*words, may_fail=False):
-    ended = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
+    ended = subprocess.run([str(word) for word in words], capture_output=True, text=True,
+                           check=False)
     if ended.returncode != 0 and not may_fail:
-        raise AssertionError(f"{' '.join(map(str, words))} ended with {ended.returncode}: {ended.stdout}{ended.stderr}")
+        raise AssertionError(
+            f"{' '.join(map(str, words))} ended with {ended.returncode}: "
+            f"{ended.stdout}{ended.stderr}")
     return ended
 
 
 def batch_script(source):
     """The script of the documentation."""
     text = (source / "docs/studies.md").read_text()
-    scripts = [block for block in re.findall(r"```bash\n(.*?)```", text, re.DOTALL) if "#SBATCH --array" in block]
+    scripts = [block for block in re.findall(r"```bash\n(.*?)```", text, re.DOTALL)
+               if "#SBATCH --array" in block]
     assert len(scripts) == 1, f"docs/studies.md has {len(scripts)} scripts for Slurm"
     return scripts[0]
 
@@ -129,15 +133,18 @@ def content(table):
 def plain(value):
     """References to scales are other numbers in every file."""
     if isinstance(value, dict):
-        return {key: plain(one) for key, one in value.items() if key not in ("DIMENSION_LIST", "REFERENCE_LIST")}
+        return {key: plain(one) for key, one in value.items()
+                if key not in ("DIMENSION_LIST", "REFERENCE_LIST")}
     return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
 
 
 def same(first, second):
     one, other = content(first), content(second)
-    assert "v_rms bytes" in one and one.keys() == other.keys(), f"{first} and {second} have other datasets"
+    assert "v_rms bytes" in one and one.keys() == other.keys(), (
+        f"{first} and {second} have other datasets")
     for name, value in one.items():
-        assert value == other[name], f"{first} and {second} differ in {name}: {value[:300]} and {other[name][:300]}"
+        assert value == other[
+            name], f"{first} and {second} differ in {name}: {value[:300]} and {other[name][:300]}"
 
 
 def requeue_one(job, folder):
@@ -149,7 +156,8 @@ def requeue_one(job, folder):
         if run("scontrol", "requeue", number, may_fail=True).returncode != 0:
             continue  # it is done: this machine is quick
         # it would wait two minutes, for the sake of nodes that are slow to clean up
-        until("it waits", lambda: "BeginTime" in run("squeue", "--noheader", "-o", "%r", "-j", number).stdout)
+        until("it waits", lambda: "BeginTime" in run("squeue", "--noheader", "-o", "%r", "-j",
+                                                     number).stdout)
         # the node knows what it is not to start any more by whole seconds, and would take the new
         # job for the old one
         time.sleep(2)
@@ -192,16 +200,19 @@ def attempt(ra2d, source, folder):
     host = socket.gethostname().split(".")[0]
     (folder / "slurm.conf").write_text(
         CONFIGURATION.format(host=host, user=getpass.getuser(), ports=free_ports(2), folder=folder))
-    (folder / "fig5.toml").write_text(STUDY.format(base=source / "scenes/dang2012.toml", seeds=SEEDS))
+    (folder / "fig5.toml").write_text(STUDY.format(base=source / "scenes/dang2012.toml",
+                                                   seeds=SEEDS))
     libc = ctypes.CDLL(None)
     daemons = []
     try:
         for words in (["slurmctld", "-D", "-i"], ["slurmd", "-D"]):
-            with open(folder / (words[0] + ".out"), "w") as out:  # none outlives this script (PR_SET_PDEATHSIG)
+            # none outlives this script (PR_SET_PDEATHSIG)
+            with open(folder / (words[0] + ".out"), "w") as out:
                 daemons.append(subprocess.Popen(words, stdout=out, stderr=out,
                                                 preexec_fn=lambda: libc.prctl(1, signal.SIGKILL)))
         run(ra2d, "study", "fig5.toml", "-o", "whole", "--quiet")
-        until("the node is there", lambda: "idle" in run("sinfo", "--noheader", "-o", "%T", may_fail=True).stdout, 60)
+        until("the node is there", lambda: "idle" in run("sinfo", "--noheader", "-o", "%T",
+                                                         may_fail=True).stdout, 60)
         array_of_jobs(source, folder, ra2d)
         ranks(ra2d)
     except AssertionError:
@@ -211,7 +222,8 @@ def attempt(ra2d, source, folder):
     finally:
         if len(daemons) == 2 and all(daemon.poll() is None for daemon in daemons):
             run("scancel", "--user", getpass.getuser(), may_fail=True)
-            until("no job is left", lambda: run("squeue", "--noheader", may_fail=True).stdout == "", 20)
+            until("no job is left",
+                  lambda: run("squeue", "--noheader", may_fail=True).stdout == "", 20)
         for daemon in reversed(daemons):
             daemon.terminate()
             try:
@@ -223,7 +235,8 @@ def attempt(ra2d, source, folder):
 def main():
     ra2d, source = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
     os.environ["PATH"] += ":/usr/sbin"  # of Debian's daemons, which users do not have in theirs
-    missing = [name for name in ("slurmctld", "slurmd", "sbatch", "scontrol", "srun") if shutil.which(name) is None]
+    missing = [name for name in ("slurmctld", "slurmd", "sbatch", "scontrol", "srun")
+               if shutil.which(name) is None]
     if missing:
         print(f"no Slurm here: {', '.join(missing)} not found")
         return SKIPPED

@@ -11,7 +11,8 @@ from . import surface
 from .budget import Budget, uncertainty
 from .compare_plot import plot
 from .comparison import Comparison, compare
-from .errors import Error, FileError, Interrupted, Notice, OutOfTime, ProgramError, RequestError, SimulationError
+from .errors import (Error, FileError, Interrupted, Notice, OutOfTime, ProgramError, RequestError,
+                     SimulationError)
 from .estimate import Estimate
 from .program import find
 from .results import Result, load, report
@@ -22,6 +23,9 @@ from .studies import Study, load_study, study
 from .surface import Surface
 
 __version__ = "0.1.0"
-__all__ = ["Budget", "Comparison", "Error", "Estimate", "FileError", "Interrupted", "Notice", "OutOfTime",
-           "ProgramError", "RequestError", "Result", "Scene", "SimulationError", "Sound", "Study", "Surface", "compare",
-           "find", "load", "load_study", "plot", "report", "run", "scene", "study", "surface", "uncertainty"]
+__all__ = ["Budget", "Comparison", "Error", "Estimate", "FileError", "Interrupted", "Notice",
+           "OutOfTime",
+           "ProgramError", "RequestError", "Result", "Scene", "SimulationError", "Sound", "Study",
+           "Surface", "compare",
+           "find", "load", "load_study", "plot", "report", "run", "scene", "study", "surface",
+           "uncertainty"]

@@ -31,7 +31,8 @@ def main() -> int:
     except ImportError:
         return library_missing()
     except Exception as fault:  # a library that is broken
-        print(f"ra2d: the Python package does not start: {type(fault).__name__}: {fault}", file=sys.stderr)
+        print(f"ra2d: the Python package does not start: {type(fault).__name__}: {fault}",
+              file=sys.stderr)
         return 4
     if len(sys.argv) > 1:
         program = importlib.import_module("ra2d.program").find()

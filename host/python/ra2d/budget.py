@@ -87,19 +87,26 @@ class Budget:
         >>> print(budget.text().splitlines()[0])                       # doctest: +ELLIPSIS
         level                ... dB re 1 nm/s (95 %: ...), mostly ...
         """
-        lines = [f"{words:21}{getattr(self, name)!r}" + (f", mostly {self.dominant[name]}" if name in self.dominant else "")
+        lines = [f"{words:21}{getattr(self, name)!r}" + (f", mostly {self.dominant[name]}"
+                                                         if name in self.dominant else "")
                  for name, _, _, _, words in QUANTITIES]
-        heads = [f"{words} [{'dB' if not ratio else 'ln/100'}]" for _, _, _, ratio, words in QUANTITIES]
-        lines += ["", "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it:",
+        heads = [f"{words} [{'dB' if not ratio else 'ln/100'}]"
+                 for _, _, _, ratio, words in QUANTITIES]
+        lines += ["",
+                  "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it:",
                   f"{'':10} {'changed to':17}" + "".join(f"{head:>30}" for head in heads)]
         for source, row in self.table.iterrows():
-            cells = [_cell(row[name], row[f"{name}_chance"], str(source)) for name, *_ in QUANTITIES]
-            lines.append(f"{source:10} {row['changed to']:17}" + "".join(f"{cell:>30}" for cell in cells))
-        lines += ["", "faces"] + [f"  {number}: " + ", ".join(f"{body} {kind}" for body, kind in kinds.items())
+            cells = [_cell(row[name], row[f"{name}_chance"], str(source))
+                     for name, *_ in QUANTITIES]
+            lines.append(f"{source:10} {row['changed to']:17}"
+                         + "".join(f"{cell:>30}" for cell in cells))
+        lines += ["", "faces"] + [f"  {number}: " + ", ".join(f"{body} {kind}"
+                                                              for body, kind in kinds.items())
                                   for number, kinds in self._kinds().items()]
         worst = float(self.realisations["distribution_error"].max())
         if worst > 0:
-            lines.append(f"  surrogates have the spectrum of the face; their sorted heights differ from its own by "
+            lines.append("  surrogates have the spectrum of the face; their sorted heights differ "
+                         "from its own by "
                          f"{100 * worst:.2g} % of Rq at most")
         return "\n".join([*lines, *(["", *self.notes] if self.notes else [])])
 
@@ -120,16 +127,20 @@ class Budget:
         quantities = {}
         for name, *_ in QUANTITIES:
             found: Estimate = getattr(self, name)
-            quantities[name] = {"value": float(found), "low": found.low, "high": found.high, "unit": found.unit,
+            quantities[name] = {"value": float(found), "low": found.low, "high": found.high,
+                                "unit": found.unit,
                                 "note": found.note}
         sources = [{"source": str(source), "changed_to": row["changed to"],
-                    **{name: {"shift": row[name], "chance": row[f"{name}_chance"], "unit": UNITS[name]}
+                    **{name: {"shift": row[name], "chance": row[f"{name}_chance"],
+                              "unit": UNITS[name]}
                        for name, *_ in QUANTITIES}} for source, row in self.table.iterrows()]
         realisations = [{"number": number, "faces": kinds,
-                         "distribution_error": float(self.realisations.loc[number, "distribution_error"])}
+                         "distribution_error":
+                         float(self.realisations.loc[number, "distribution_error"])}
                         for number, kinds in self._kinds().items()]
         found_dict: dict[str, Any] = _without_nan(
-            {"quantities": quantities, "dominant": self.dominant, "sources": sources, "realisations": realisations,
+            {"quantities": quantities, "dominant": self.dominant, "sources": sources,
+             "realisations": realisations,
              "runs": self.runs.to_dict("records"), "notes": self.notes})
         return found_dict
 
@@ -166,7 +177,8 @@ class Budget:
         >>> budget.csv().splitlines()[0].split(",")[:3]
         ['source', 'changed to', 'level_dB']
         """
-        heads = {f"{name}{end}": f"{name}{end}_{unit}" for name, unit in UNITS.items() for end in ("", "_chance")}
+        heads = {f"{name}{end}": f"{name}{end}_{unit}" for name, unit in UNITS.items()
+                 for end in ("", "_chance")}
         return str(self.table.rename(columns=heads).to_csv(index_label="source"))
 
     def __repr__(self) -> str:
@@ -210,7 +222,8 @@ def _largest_step(plan: str) -> float:
     """The smallest of the limits that `ra2d plan` says of the scheme [s]; 0 where it says none."""
     _, _, stability = plan.partition("\nstability ")
     line = next((line for line in stability.splitlines() if line.lstrip().startswith("> ")), "")
-    limits = [float(number) * _SECONDS[unit] for number, unit in re.findall(r"([\d.e+-]+) (ns|us|ms|s)\b", line)]
+    limits = [float(number) * _SECONDS[unit]
+              for number, unit in re.findall(r"([\d.e+-]+) (ns|us|ms|s)\b", line)]
     return min(limits, default=math.inf if "every step" in line else 0.0)
 
 
@@ -248,17 +261,20 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
     time, contact = complete["time"], complete["contact"]
     cases: dict[str, tuple[str, dict[str, Any]]] = {}
     if time["scheme"] == "adaptive":
-        cases["tolerance"] = ("a tenth", {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
+        cases["tolerance"] = ("a tenth",
+                              {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
     else:
         cases["step"] = _other_step(what, time["step"])
     if not has_measured_map(complete):  # which is taken node for node
         spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
-        cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
+        cases["spacing"] = ("half",
+                            {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
     modes = _with_modes(complete, bodies, 1.5)
     if modes:
         cases["modes"] = ("half as many more", modes)
-        if complete["scene"].get("kind") == "areal" and not _is_taken(what, modes):  # a plate has many
+        # a plate has many
+        if complete["scene"].get("kind") == "areal" and not _is_taken(what, modes):
             cases["modes"] = ("a third fewer", _with_modes(complete, bodies, 2 / 3))
     if contact["law"] == "penalty" and not isinstance(contact["stiffness"], str):
         cases["stiffness"] = ("twice", {"contact.stiffness": 2 * contact["stiffness"]})
@@ -271,7 +287,8 @@ def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
     return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else AS_GIVEN
 
 
-def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]], **options: Any
+def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]],
+         **options: Any
          ) -> Study:
     """All runs in one study. The scene's name tells them apart."""
     complete = what.complete()
@@ -284,7 +301,8 @@ def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: li
     values = []
     for source, changed in sources.items():
         for number, pair in enumerate(faces if source == AS_GIVEN else faces[:PAIRED], 1):
-            values.append([_name(source, number), *{**settings, **changed}.values(), *(face.value for face in pair)])
+            values.append([_name(source, number), *{**settings, **changed}.values(),
+                           *(face.value for face in pair)])
     return study(what, {("scene.name", *keys, *(face.key for face in faces[0])): values}, **options)
 
 
@@ -303,7 +321,8 @@ def _runs(table: Study, sources: list[str]) -> pd.DataFrame:
                      "message": str(one["message"].item()) if "message" in one else ""})
     found = pd.DataFrame(rows)
     order = {source: i for i, source in enumerate(sources)}
-    return found.sort_values(["source", "realisation"], key=lambda of: of.map(order) if of.name == "source" else of,
+    return found.sort_values(["source", "realisation"], key=lambda of: of.map(order)
+                             if of.name == "source" else of,
                              ignore_index=True)
 
 
@@ -320,7 +339,8 @@ def _logarithms(values: pd.Series[float]) -> pd.Series[float]:
 def _notes(runs: pd.DataFrame) -> list[str]:
     found = []
     for source, of in runs[runs.message != ""].groupby("source", sort=False):
-        found.append(f"{source}: {len(of)} of {(runs.source == source).sum()} runs failed: {of.message.iloc[0]}")
+        found.append(f"{source}: {len(of)} of {(runs.source == source).sum()} runs failed: "
+                     f"{of.message.iloc[0]}")
     return found
 
 
@@ -331,16 +351,18 @@ def _finite(values: pd.Series[float]) -> npt.NDArray[np.float64]:
 
 
 def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seeds: int = 5, *,
-                folder: str | os.PathLike[str] | None = None, threads: int | None = None, show: bool = True) -> Budget:
+                folder: str | os.PathLike[str] | None = None, threads: int | None = None,
+                show: bool = True) -> Budget:
     """The error budget of a scene. It runs `seeds` realisations of its faces as asked, then three
     of them with another tolerance (or step), a finer spacing, more modes and a stiffer contact. The
     same call continues it.
 
     Realisations of a random face are other seeds. Of a measured one they are other stretches of its
     trace or map where it is large enough, then its mirror images, then surrogates: the same
-    spectrum with other phases, and nearly the same heights (`Budget.realisations`). All are of the heights as
-    they stand in a run, filtered and levelled. A mirror image keeps its highest asperities, and a
-    surrogate the amplitude of each wave: both scatter less than other traces would.
+    spectrum with other phases, and nearly the same heights (`Budget.realisations`). All are of the
+    heights as they stand in a run, filtered and levelled. A mirror image keeps its highest
+    asperities, and a surrogate the amplitude of each wave: both scatter less than other traces
+    would.
 
     - `source`: a scene, or what `ra2d.scene` takes
     - `folder`: where the study is kept; without it in the current folder, SCENE-uncertainty
@@ -355,7 +377,9 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     True
     """
     if not isinstance(seeds, int) or seeds < 2:
-        raise RequestError(f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are good)")
+        raise RequestError(
+            f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are "
+            "good)")
     what = scene(source)
     place = pathlib.Path(folder or f"{what.title}-uncertainty").resolve()
     files.require_folder(place)
@@ -363,15 +387,18 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     varied, faces = of_scene(what, complete, seeds, place / "faces")
     cases = _cases(what, complete)
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")  # told in the notes
+        # told in the notes
+        warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
     runs = _runs(table, [AS_GIVEN, *cases])
-    notes = ["spacing: a measured map is taken node for node, so what a finer one would change is not in this budget"
+    notes = ["spacing: a measured map is taken node for node, so what a finer one would change is "
+             "not in this budget"
              ] if has_measured_map(complete) else []
     return _of_runs(runs, cases, faces, table, notes)
 
 
-def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]],
+def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]],
+             faces: list[list[Face]],
              table_of: Study, notes: Sequence[str] = ()) -> Budget:
     rows = {CHANCE: f"{len(faces)} realisations", **{name: how for name, (how, _) in cases.items()}}
     table = pd.DataFrame({"changed to": pd.Series(rows, dtype=object)}).reindex(list(rows))
@@ -382,19 +409,24 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
         if by_ratio:
             by_case = {case: _logarithms(values) for case, values in by_case.items()}
         base, percent = by_case[AS_GIVEN], 100.0 if by_ratio else 1.0
-        shifts = {case: _finite(by_case[case] - by_case[_reference(case, cases)].reindex(by_case[case].index))
+        shifts = {case: _finite(by_case[case]
+                                - by_case[_reference(case, cases)].reindex(by_case[case].index))
                   for case in cases}
         finite_base = _finite(base)
-        moved = {case: percent * float(shift.mean()) if shift.size else math.nan for case, shift in shifts.items()}
-        table[name] = pd.Series({CHANCE: percent * half_interval(finite_base), **moved}, dtype=float)
-        table[f"{name}_chance"] = pd.Series({case: percent * half_interval(shift) for case, shift in shifts.items()},
+        moved = {case: percent * float(shift.mean()) if shift.size else math.nan
+                 for case, shift in shifts.items()}
+        table[name] = pd.Series({CHANCE: percent * half_interval(finite_base), **moved},
+                                dtype=float)
+        table[f"{name}_chance"] = pd.Series({case: percent * half_interval(shift)
+                                             for case, shift in shifts.items()},
                                             dtype=float)
         if not finite_base.size:
             found[name] = Estimate(math.nan, unit=unit, note=f"no run has a {words}")
             continue
         total = math.sqrt(float((table[name] ** 2).sum(skipna=False))) / percent
         mean = float(finite_base.mean())
-        value, low, high = (math.exp(end) if by_ratio else end for end in (mean, mean - total, mean + total))
+        value, low, high = (math.exp(end) if by_ratio else end
+                            for end in (mean, mean - total, mean + total))
         note = "chance and shifts, as squares"
         if finite_base.size < len(faces):
             note += f"; {finite_base.size} of {len(faces)} realisations have one"
@@ -402,10 +434,12 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
         if table[name].notna().any():
             dominant[name] = str(table[name].abs().idxmax())
     table.attrs["units"] = UNITS
-    pairs: list[dict[str, Any]] = [{face.key.split(".")[0]: face.kind for face in pair} for pair in faces]
+    pairs: list[dict[str, Any]] = [{face.key.split(".")[0]: face.kind for face in pair}
+                                   for pair in faces]
     for row, pair in zip(pairs, faces):
         row["distribution_error"] = max(face.distribution_error for face in pair)
     realisations = pd.DataFrame(
         pairs, index=pd.RangeIndex(1, len(faces) + 1, name="realisation"))
-    return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, realisations, runs, dominant,
+    return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, realisations,
+                  runs, dominant,
                   [*_notes(runs), *notes], table_of)

@@ -22,7 +22,8 @@ OPEN, CLOSED = "black", "#ff69b4"
 
 
 def _curve(regions: Rows, key: tuple[str, str], contact: str) -> list[Point]:
-    rows = [r for r in regions if (r["scheme"], r["contact_force"]) == key and r["contact"] == contact]
+    rows = [r for r in regions if (r["scheme"], r["contact_force"]) == key
+            and r["contact"] == contact]
     return [(float(r["zeta"]), float(r["limit"])) for r in rows]
 
 
@@ -39,7 +40,8 @@ def _draw_curves(axes: Any, regions: Rows, place: Place) -> None:
         for contact, style in (("open", "-"), ("closed", "--")):
             points = [p for p in _curve(regions, key, contact) if 0 < p[1] < math.inf]
             bound = any(0 < x < math.inf for _, x in _curve(regions, key, "open"))
-            if points and not (contact == "closed" and bound):  # or the spring is bound like any mode
+            # or the spring is bound like any mode
+            if points and not (contact == "closed" and bound):
                 axes.plot(*zip(*[place(*p) for p in points]), style, color=colour, lw=1.8, zorder=2)
 
 
@@ -50,14 +52,16 @@ def _draw_measured(axes: Any, limits: Rows, place: Place) -> None:
         if 0 < low and high < math.inf:
             colour = NAMES[row["scheme"], row["contact_force"]][1]
             axes.plot(*place(float(row["motion_zeta"]), (low + high) / 2),
-                      "o" if row["contact"] == "open" else "s", ms=5.5, mfc="white", mec=colour, mew=1.3,
+                      "o" if row["contact"] == "open" else "s", ms=5.5, mfc="white",
+                      mec=colour, mew=1.3,
                       zorder=3, clip_on=False)
 
 
 def _draw_modes(axes: Any, modes: Rows, place: Callable[[complex], Point], size: float) -> None:
     for contact, marker, face in (("open", "o", OPEN), ("closed", "D", CLOSED)):
         z = _eigenvalues(modes, contact)
-        axes.plot([place(v)[0] for v in z], [place(v)[1] for v in z], marker, ms=size, mfc=face, mec="black",
+        axes.plot([place(v)[0] for v in z], [place(v)[1] for v in z], marker, ms=size, mfc=face,
+                  mec="black",
                   mew=0.4, ls="none", zorder=4)
 
 
@@ -82,7 +86,8 @@ def _draw_limits(axes: Any, limits: Rows, regions: Rows, modes: Rows) -> None:
     sizes = [abs(z) for z in _eigenvalues(modes, "open") + _eigenvalues(modes, "closed")]
     axes.set_ylim(10 ** math.floor(math.log10(min(sizes + [3e-5])) - 0.2), 20)
     axes.set_xticks([edge, 1e-3, 1e-2, 0.1, 1], ["0", "0.001", "0.01", "0.1", "1"])
-    axes.text(1.45 * edge, 0, "//", transform=axes.get_xaxis_transform(), ha="center", va="center", fontsize=13)
+    axes.text(1.45 * edge, 0, "//", transform=axes.get_xaxis_transform(), ha="center", va="center",
+              fontsize=13)
     axes.set_xlabel(r"damping ratio $\zeta$ of the motion, free or in contact")
     axes.set_ylabel(r"$x = |\lambda|\,\tau$, frequency times step")
     axes.grid(True, which="major", alpha=0.25)
@@ -93,13 +98,18 @@ def _draw_limits(axes: Any, limits: Rows, regions: Rows, modes: Rows) -> None:
     _label(axes, "Heun", 1.5e-3, 0.3, ("heun", "old"), rotation=15)
     _label(axes, "exact, in contact", 1.5e-3, 0.011, ("exact", "old"), rotation=36)
     _label(axes, "explicit Euler", 3.6e-2, 0.026, ("explicit-euler", "old"), rotation=36)
-    axes.text(1.15 * edge, 2.2e-4, "at 0, none:\nexplicit Euler, Heun,\nexact in contact", fontsize=8.5,
+    axes.text(1.15 * edge, 2.2e-4, "at 0, none:\nexplicit Euler, Heun,\nexact in contact",
+              fontsize=8.5,
               color="#444444", va="top")
     marks = [Line2D([], [], color="#444444", lw=1.8, label="theory"),
-             Line2D([], [], color="#444444", lw=1.8, ls="--", label="theory, in contact, stable when free"),
-             Line2D([], [], marker="o", ls="none", mfc="white", mec="#444444", label="measured, a free mode"),
-             Line2D([], [], marker="s", ls="none", mfc="white", mec="#444444", label="measured, in contact"),
-             Line2D([], [], marker="o", ls="none", ms=4, mfc=OPEN, mec="black", label="the scene's modes, free")]
+             Line2D([], [], color="#444444", lw=1.8, ls="--",
+                    label="theory, in contact, stable when free"),
+             Line2D([], [], marker="o", ls="none", mfc="white", mec="#444444",
+                    label="measured, a free mode"),
+             Line2D([], [], marker="s", ls="none", mfc="white", mec="#444444",
+                    label="measured, in contact"),
+             Line2D([], [], marker="o", ls="none", ms=4, mfc=OPEN, mec="black",
+                    label="the scene's modes, free")]
     if _eigenvalues(modes, "closed"):
         marks.append(Line2D([], [], marker="D", ls="none", ms=4, mfc=CLOSED, mec="black", mew=0.4,
                             label="the same with one node in contact"))
@@ -129,7 +139,9 @@ def _draw_regions(axes: Any, limits: Rows, regions: Rows, modes: Rows) -> None:
     _label(axes, "explicit\nEuler", -1.25, 0.55, ("explicit-euler", "old"))
     _label(axes, "backward Euler,\nold force,\nin contact", -4.25, 0.95, ("backward-euler", "old"))
     _label(axes, "exact, in contact", -4.3, 2.75, ("exact", "old"), rotation=33)
-    axes.text(-5.1, 5.1, "backward Euler and exact:\nfree modes, everywhere;\nbackward Euler, new force,\nin contact, too",
+    axes.text(-5.1, 5.1,
+              "backward Euler and exact:\nfree modes, everywhere;\nbackward Euler, new force,\nin "
+              "contact, too",
               fontsize=8.5, color="#444444", va="top")
     z = _eigenvalues(modes, "open") + _eigenvalues(modes, "closed")
     if not z:

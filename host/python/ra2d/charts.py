@@ -15,8 +15,10 @@ def picture(chart: str, tables: Sequence[str | os.PathLike[str]]) -> Picture:
     """The picture of a chart, "accuracy" or "stability", from all its tables in their order."""
     files = [pathlib.Path(table) for table in tables]
     try:
-        return chart_accuracy.picture(*files) if chart == "accuracy" else chart_stability.picture(*files)
+        return chart_accuracy.picture(
+            *files) if chart == "accuracy" else chart_stability.picture(*files)
     except OSError as fault:
         raise FileError(f"cannot read a table of the chart: {fault}") from fault
     except (KeyError, ValueError, IndexError, TypeError) as fault:
-        raise FileError(f"a table of the chart has something else than 'ra2d chart' writes: {fault!r}") from fault
+        raise FileError("a table of the chart has something else than 'ra2d chart' writes: "
+                        f"{fault!r}") from fault

@@ -16,7 +16,8 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from . import budget, charts, compare_plot, comparison, page, plots, profile_plot, sound, study_plot, toml
+from . import (budget, charts, compare_plot, comparison, page, plots, profile_plot, sound,
+               study_plot, toml)
 from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, Notice, RequestError
 from .results import Result, load
@@ -74,7 +75,8 @@ def play(request: Request) -> str:
     name = _path(request["made"])
     result = load(_path(request["file"]))
     if "pressure" in request:
-        heard = np.fromfile(_path(request["pressure"])).reshape(len(request["heard"]["microphones"]), -1)
+        heard = np.fromfile(_path(request["pressure"])).reshape(
+            len(request["heard"]["microphones"]), -1)
         made = sound.of_pressure(result, heard, request["heard"], **request["options"])
     else:
         made = sound.of_probe(result, **request["options"])
@@ -90,7 +92,8 @@ def uncertainty(request: Request) -> str:
     what = Scene(_path(request["scene"]).resolve(), _changes(request["set"]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Notice)  # the program has told its doubts of this scene
-        found = budget.uncertainty(what, request["seeds"], folder=_path(request["folder"]), threads=request["threads"],
+        found = budget.uncertainty(what, request["seeds"], folder=_path(request["folder"]),
+                                   threads=request["threads"],
                                    show=request["show"])
     if "csv" in request:
         _write(_path(request["csv"]), found.csv().encode())
@@ -149,7 +152,8 @@ def main(requests: TextIO) -> int:
     request = json.load(requests)
     made = _path(request["made"]) if "made" in request else "the answer"
     warnings.simplefilter("ignore" if request.get("quiet") else "always", UserWarning)
-    warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font has not
+    # a name in letters that the font has not
+    warnings.filterwarnings("ignore", message="Glyph .* missing")
     try:
         sys.stdout.write(COMMANDS[request["command"]](request))
         sys.stdout.flush()
@@ -163,7 +167,8 @@ def main(requests: TextIO) -> int:
     except MemoryError:
         _say("out of memory")
         return 3
-    except Exception as fault:  # noqa: BLE001: a fault of ours ends with a message, and with no picture
+    # a fault of ours ends with a message, and with no picture
+    except Exception as fault:  # noqa: BLE001
         at = traceback.extract_tb(fault.__traceback__)[-1]
         _say(f"{made} was not made: {type(fault).__name__}: {fault} "
              f"({pathlib.Path(at.filename).name}, line {at.lineno})")

@@ -26,25 +26,30 @@ def _marker(i: int) -> dict[str, Any]:
 def _spectra(axes: Any, shown: list[tuple[int, Result]]) -> None:
     spectra = [result.spectrum() for _, result in shown]
     for (i, _), spectrum in zip(shown, spectra):
-        style.draw_series(axes, spectrum.frequency.values[1:], spectrum.density.values[1:], SERIES[i], LINES[i],
+        style.draw_series(axes, spectrum.frequency.values[1:], spectrum.density.values[1:],
+                          SERIES[i], LINES[i],
                           log=True, fill=0.12, width=1.1)
     plots.set_decades(axes, np.concatenate([spectrum.density.values[1:] for spectrum in spectra]))
-    style.frequency_axis(axes, min(float(s.frequency[1]) for s in spectra), max(float(s.frequency[-1]) for s in spectra))
+    style.frequency_axis(axes, min(float(s.frequency[1]) for s in spectra),
+                         max(float(s.frequency[-1]) for s in spectra))
     axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
 
 
 def _bands(axes: Any, shown: list[tuple[int, Result]]) -> None:
     bands = [result.bands() for _, result in shown]
     centres = sorted({float(centre) for one in bands for centre in one.frequency.values})
-    names = {float(centre): str(name) for one in bands for centre, name in zip(one.frequency.values, one.nominal.values)}
+    names = {float(centre): str(name) for one in bands
+             for centre, name in zip(one.frequency.values, one.nominal.values)}
     for (i, _), one in zip(shown, bands):
         place = np.array([centres.index(centre) for centre in one.frequency.values])
         above = one.above_last_mode.values
         axes.plot(place, one.level.values, marker=MARKS[i], ms=5, lw=1.2, **_marker(i))
-        axes.plot(place[above], one.level.values[above], ls="none", marker=MARKS[i], ms=5, mfc="white", mec=SERIES[i])
+        axes.plot(place[above], one.level.values[above], ls="none", marker=MARKS[i], ms=5,
+                  mfc="white", mec=SERIES[i])
     plots.band_axis(axes, [names[centre] for centre in centres])
     if any(one.above_last_mode.any() for one in bands):
-        axes.set_xlabel("midband frequency [Hz]  (hollow: above the last mode that was kept, no information)")
+        axes.set_xlabel("midband frequency [Hz]  (hollow: above the last mode that was kept, no "
+                        "information)")
     _level_limits(axes, np.concatenate([one.level.values for one in bands]), 3)
 
 
@@ -56,7 +61,8 @@ def _heard(result: Result) -> dict[str, Any] | None:
 
 def _bands_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
     bands = [(i, heard["bands"]) for i, result in shown if (heard := _heard(result))]
-    names = dict(sorted((centre, name) for _, one in bands for centre, name in zip(one["centre"], one["nominal"])))
+    names = dict(sorted((centre, name) for _, one in bands
+                        for centre, name in zip(one["centre"], one["nominal"])))
     centres = list(names)
     drawn = []
     for i, one in bands:
@@ -64,7 +70,8 @@ def _bands_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
         levels = np.array(one["level"], dtype=float)  # None: silence
         above = np.array(one["above_last_mode"], dtype=bool)
         axes.plot(place, levels, marker=MARKS[i], ms=5, lw=1.2, **_marker(i))
-        axes.plot(place[above], levels[above], ls="none", marker=MARKS[i], ms=5, mfc="white", mec=SERIES[i])
+        axes.plot(place[above], levels[above], ls="none", marker=MARKS[i], ms=5, mfc="white",
+                  mec=SERIES[i])
         drawn.append(levels)
     plots.band_axis(axes, list(names.values()))
     _level_limits(axes, np.concatenate(drawn), 3, PRESSURE)
@@ -72,7 +79,9 @@ def _bands_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
 
 def _levels_heard(axes: Any, shown: list[tuple[int, Result]]) -> None:
     heard = [(i, one) for i, result in shown if (one := _heard(result))]
-    place = style.time_axis(axes, np.array([min(one["from"] for _, one in heard), max(one["to"] for _, one in heard)]))
+    place = style.time_axis(axes,
+                            np.array([min(one["from"] for _, one in heard),
+                                      max(one["to"] for _, one in heard)]))
     drawn = []
     for i, one in heard:
         time, levels = plots.heard_in_time(one, place)
@@ -90,7 +99,8 @@ def _levels(axes: Any, shown: list[tuple[int, Result]]) -> None:
     _level_limits(axes, np.concatenate([levels for _, levels in found]), 1)
 
 
-def _level_limits(axes: Any, levels: style.Array, margin: float, label: str = f"level [{DECIBEL}]") -> None:
+def _level_limits(axes: Any, levels: style.Array, margin: float,
+                  label: str = f"level [{DECIBEL}]") -> None:
     finite = levels[np.isfinite(levels)]
     axes.set_ylim(max(finite.min(), finite.max() - 80) - margin, finite.max() + margin)
     axes.set_ylabel(label)
@@ -117,7 +127,8 @@ def _key(results: Sequence[Result], names: list[str]) -> list[Line2D]:
                             "at rest" if result.analysis()["v_rms"] == 0 else "no level")
              + (f"; at {plots.microphone_words(heard)}" if (heard := _heard(result)) else "")
              for name, result in zip(names, results)]
-    return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_marker(i)) for i, text in enumerate(texts)]
+    return [Line2D([], [], marker=MARKS[i], ms=5, lw=1.4, label=text, **_marker(i))
+            for i, text in enumerate(texts)]
 
 
 def _why_empty(result: Result, kind: str) -> str:
@@ -148,7 +159,9 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
     if not results or not all(isinstance(result, Result) for result in results):
         raise RequestError("a picture takes one or more results of ra2d.run or ra2d.load")
     if what not in ("overview", *PANELS):
-        raise RequestError(f"there is no picture {what!r} of several results. There are: overview, {', '.join(PANELS)}")
+        raise RequestError(
+            f"there is no picture {what!r} of several results. There are: overview, "
+            f"{', '.join(PANELS)}")
     drawn = [stretch.of(result, start, stop) for result in results[:MOST]]
     names = _names(drawn)
     panels, hears = [], any(map(_heard, drawn))
@@ -156,7 +169,8 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
         panels.append((kind, *PANELS[kind]))
         if hears and kind in HEARD:
             panels.append((f"heard {kind}", *HEARD[kind]))
-    head = f"{len(results)} results" + (f", the first {MOST} of them" if len(results) > MOST else "")
+    head = f"{len(results)} results" + (f", the first {MOST} of them"
+                                        if len(results) > MOST else "")
     head += stretch.words(drawn[0])
     lines = [(head, 13.0, "bold", BLACK)]
     lines += [(f"{name}: {literal(plots.doubts(result))}", 9.5, "normal", RUST)
@@ -167,11 +181,15 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
     with matplotlib.rc_context(style.RC):
         figure, body = style.page(10, 4 * len(panels) + key, lines)
         upper, lower = body.subfigures(2, 1, height_ratios=[key, 4 * len(panels)])
-        upper.legend(handles=handles, loc="upper left", ncol=columns, handlelength=4.5, frameon=False)
-        for cell, (kind, title, draw) in zip(np.atleast_1d(lower.subfigures(len(panels), 1)), panels):
+        upper.legend(handles=handles, loc="upper left", ncol=columns, handlelength=4.5,
+                     frameon=False)
+        for cell, (kind, title,
+                   draw) in zip(np.atleast_1d(lower.subfigures(len(panels), 1)), panels):
             axes = cell.subplots()
-            without = {name: why for name, result in zip(names, drawn) if (why := _why_empty(result, kind))}
-            shown = [(i, result) for i, (name, result) in enumerate(zip(names, drawn)) if name not in without]
+            without = {name: why for name, result in zip(names, drawn)
+                       if (why := _why_empty(result, kind))}
+            shown = [(i, result) for i, (name, result) in enumerate(zip(names, drawn))
+                     if name not in without]
             words = "; ".join(f"{name}: {why}" for name, why in without.items())
             if not shown:
                 style.say_empty(axes, words, title)
@@ -179,5 +197,6 @@ def plot(results: Result | Sequence[Result], what: str = "overview", *, start: f
             draw(axes, shown)
             axes.set_title(title)
             if without:
-                axes.text(0.01, 0.04, f"not drawn: {words}", transform=axes.transAxes, color=GREY, fontsize=8)
+                axes.text(0.01, 0.04, f"not drawn: {words}", transform=axes.transAxes,
+                          color=GREY, fontsize=8)
         return figure

@@ -51,13 +51,18 @@ def _mean_square(found: Mapping[str, Any]) -> Any:
 
 _FIGURES = (_Figure("level", "dB re 1 nm/s", "mean", _mean_square),
             _Figure("rate of shocks", "1/s", "mean", lambda found: found["shocks"]["rate"]),
-            _Figure("duration of a shock", "s", "median", lambda found: found["shocks"]["duration"]["median"]),
-            _Figure("peak force", "N", "median", lambda found: found["shocks"]["peak_force"]["median"]),
+            _Figure("duration of a shock", "s", "median",
+                    lambda found: found["shocks"]["duration"]["median"]),
+            _Figure("peak force", "N", "median",
+                    lambda found: found["shocks"]["peak_force"]["median"]),
             _Figure("impulse", "N s", "median", lambda found: found["shocks"]["impulse"]["median"]),
-            _Figure("power lost to damping", "W", "mean", lambda found: found["energy"]["damping_power"]),
-            _Figure("power put in by sliding", "W", "mean", lambda found: found["energy"]["sliding_power"]))
+            _Figure("power lost to damping", "W", "mean",
+                    lambda found: found["energy"]["damping_power"]),
+            _Figure("power put in by sliding", "W", "mean",
+                    lambda found: found["energy"]["sliding_power"]))
 _IN_STUDIES = (("level", "level", "dB re 1 nm/s"), ("rate of shocks", "shock_rate", "1/s"),
-               ("duration of a shock", "shock_duration_median", "s"), ("peak force", "peak_force_median", "N"))
+               ("duration of a shock", "shock_duration_median", "s"),
+               ("peak force", "peak_force_median", "N"))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -108,7 +113,8 @@ class Comparison:
                 for key, row in self.scene.iterrows()])]
         if len(self.answers):
             lines += ["", "answers", *_columns([("", "A", "B", "B against A", "by chance", "")] + [
-                (str(name), _value(row.a, row.unit), _value(row.b, row.unit), _change(row.difference, row.unit),
+                (str(name), _value(row.a, row.unit), _value(row.b, row.unit),
+                 _change(row.difference, row.unit),
                  _chance(row.chance), _verdict(row)) for name, row in self.answers.iterrows()])]
         if len(self.bands):
             lines += ["", *self._text_of_bands()]
@@ -124,7 +130,8 @@ class Comparison:
         what = "more than chance" if marked.differs.all() else f"{OTHER_FACES}:"
         return [f"third octaves that differ by {what}, {len(marked)} of {tested}"] + _columns(
             [("Hz", "A", "B", "B against A", "by chance")]
-            + [(str(name), f"{row.a:.1f} dB", f"{row.b:.1f} dB", f"{row.difference:+.1f} dB", _chance(row.chance))
+            + [(str(name), f"{row.a:.1f} dB", f"{row.b:.1f} dB", f"{row.difference:+.1f} dB",
+                _chance(row.chance))
                for name, row in marked.iterrows()])
 
     def to_dict(self) -> dict[str, Any]:
@@ -136,8 +143,10 @@ class Comparison:
         """
         tables = {name: [{key: _plain(value) for key, value in row.items()}
                          for row in table.reset_index().to_dict("records")]
-                  for name, table in (("scene", self.scene), ("answers", self.answers), ("bands", self.bands))}
-        return {"a": self.names[0], "b": self.names[1], **tables, "test": self.test, "notes": self.notes}
+                  for name, table in (("scene", self.scene), ("answers", self.answers),
+                                      ("bands", self.bands))}
+        return {"a": self.names[0], "b": self.names[1], **tables, "test": self.test,
+                "notes": self.notes}
 
     def to_json(self) -> str:
         """`to_dict` as text.
@@ -160,7 +169,8 @@ class Comparison:
 
 def _columns(rows: Sequence[tuple[str, ...]]) -> list[str]:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return ["  " + "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths)).rstrip() for row in rows]
+    return ["  " + "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths)).rstrip()
+            for row in rows]
 
 
 def _plain(value: Any) -> Any:
@@ -170,7 +180,8 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(of) for key, of in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(of) for of in value]
-    if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)):
+    if value is None or isinstance(value, bool | int | str) or (isinstance(value, float)
+                                                                and math.isfinite(value)):
         return value
     return None if isinstance(value, float) else str(value)
 
@@ -225,15 +236,20 @@ def _flat(content: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 
 def _scene_table(a: Mapping[str, Any], b: Mapping[str, Any]) -> pd.DataFrame:
     if not ("program" in a and "program" in b):  # of a scene it is not known
-        a, b = ({name: value for name, value in side.items() if name != "program"} for side in (a, b))
+        a, b = ({name: value for name, value in side.items() if name != "program"}
+                for side in (a, b))
     one, other = _flat(a), _flat(b)
-    keys = [key for key in dict.fromkeys([*one, *other]) if key != "scene.name" and one.get(key) != other.get(key)]
+    keys = [key for key in dict.fromkeys([*one, *other]) if key != "scene.name"
+            and one.get(key) != other.get(key)]
     rows = []
     for key in keys:
         sides = [one.get(key), other.get(key)]
-        is_number = any(isinstance(side, int | float | list) and not isinstance(side, bool) for side in sides)
-        rows.append({"a": sides[0], "b": sides[1], "unit": UNITS.get(key.rsplit(".", 1)[-1], "") if is_number else ""})
-    return pd.DataFrame(rows, index=pd.Index(keys, name="key", dtype=object), columns=["a", "b", "unit"], dtype=object)
+        is_number = any(isinstance(side, int | float | list) and not isinstance(side, bool)
+                        for side in sides)
+        rows.append({"a": sides[0], "b": sides[1], "unit": UNITS.get(key.rsplit(".", 1)[-1], "")
+                     if is_number else ""})
+    return pd.DataFrame(rows, index=pd.Index(keys, name="key", dtype=object),
+                        columns=["a", "b", "unit"], dtype=object)
 
 
 def _face(result: Result, body: Body) -> str:
@@ -267,7 +283,8 @@ def _path(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
     """Where on the resonator the stretch begins and ends, and how long the slider is [m]."""
     content = result.scene.content()
     start, speed = float(content["scene"]["start"]), float(content["scene"]["speed"])
-    return start + speed * found["from"], start + speed * found["to"], float(content["slider"]["length"])
+    return start + speed * found["from"], start + speed * found["to"], float(
+        content["slider"]["length"])
 
 
 # ---- chance within a run
@@ -306,7 +323,8 @@ class _Run:
             edges = np.linspace(0, self.whole["samples"], PARTS + 1).astype(int)
             with ThreadPoolExecutor(2) as pool:
                 self.parts = list(pool.map(
-                    lambda ends: result.analysis(start=first + ends[0] / rate, stop=first + (ends[1] - 1) / rate),
+                    lambda ends: result.analysis(start=first + ends[0] / rate,
+                                                 stop=first + (ends[1] - 1) / rate),
                     zip(edges, edges[1:])))
 
     def series(self, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> tuple[float, Values]:
@@ -318,10 +336,12 @@ class _Run:
             return whole, np.full(parts.size, math.nan)
         if kind == "mean":  # ln(x) about the mean, to first order: a part may be 0
             middle = float(np.nanmean(parts)) if np.isfinite(parts).any() else math.nan
-            return whole, math.log(whole) + (parts / middle - 1 if middle > 0 else np.full(parts.size, math.nan))
+            return whole, math.log(whole) + (parts / middle - 1 if middle > 0
+                                             else np.full(parts.size, math.nan))
         with np.errstate(divide="ignore", invalid="ignore"):
             logs = np.where(parts > 0, np.log(parts), math.nan)
-        return whole, logs + math.log(whole) - (float(np.nanmean(logs)) if np.isfinite(logs).any() else 0.0)
+        return whole, logs + math.log(whole) - (float(np.nanmean(logs))
+                                                if np.isfinite(logs).any() else 0.0)
 
 
 def _finite(value: float | None) -> float:
@@ -336,7 +356,8 @@ def _test_of_runs(a: _Run, b: _Run, one: Values, other: Values, paired: bool) ->
     if paired:
         both = one - other
         finite = both[np.isfinite(both)]
-        if finite.size >= FEWEST:  # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
+        # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
+        if finite.size >= FEWEST:
             return mean_differs(finite), ""
     else:
         x, y = one[np.isfinite(one)], other[np.isfinite(other)]
@@ -345,7 +366,8 @@ def _test_of_runs(a: _Run, b: _Run, one: Values, other: Values, paired: bool) ->
     return math.nan, "a tenth of the run is too short for it"
 
 
-def _row(a: float, b: float, unit: str, difference: float, chance: float, why: str) -> dict[str, Any]:
+def _row(a: float, b: float, unit: str, difference: float, chance: float,
+         why: str) -> dict[str, Any]:
     if math.isfinite(a) != math.isfinite(b):
         why = f"only {'A' if math.isfinite(a) else 'B'} has one"
     elif not math.isfinite(a):
@@ -378,7 +400,8 @@ def _band_of(centre: float, name: str = "level") -> Callable[[Mapping[str, Any]]
 
 def _table(rows: Mapping[str, Mapping[str, Any]], index: str) -> pd.DataFrame:
     columns = ["a", "b", "unit", "difference", "chance", "differs", "why"]
-    table = pd.DataFrame(list(rows.values()), index=pd.Index(list(rows), name=index, dtype=object), columns=columns)
+    table = pd.DataFrame(list(rows.values()), index=pd.Index(list(rows), name=index, dtype=object),
+                         columns=columns)
     return table.astype({"differs": object, "why": object, "unit": object, "a": float, "b": float,
                          "difference": float, "chance": float})
 
@@ -389,14 +412,17 @@ def _shared_bands(sides: Sequence[Mapping[str, Any]]) -> list[tuple[str, float]]
     for found in sides:
         bands = found["bands"]
         bands_of.append({name: centre for name, centre, above, level in zip(
-            bands["nominal"], bands["centre"], bands["above_last_mode"], bands["level"]) if not above and level is not None})
-    return [(name, centre) for name, centre in bands_of[0].items() if all(name in other for other in bands_of[1:])]
+            bands["nominal"], bands["centre"], bands["above_last_mode"], bands["level"])
+                         if not above and level is not None})
+    return [(name, centre) for name, centre in bands_of[0].items()
+            if all(name in other for other in bands_of[1:])]
 
 
 def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
     one, other = _Run(a), _Run(b)
     same_faces = _faces(a) == _faces(b)
-    paired = same_faces and np.allclose(_path(a, one.whole), _path(b, other.whole), rtol=1e-9, atol=1e-12)
+    paired = same_faces and np.allclose(_path(a, one.whole), _path(b, other.whole),
+                                        rtol=1e-9, atol=1e-12)
 
     def compare(unit: str, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> dict[str, Any]:
         (x, x_parts), (y, y_parts) = one.series(kind, of), other.series(kind, of)
@@ -420,11 +446,14 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
                 row |= {"differs": None, "why": OTHER_FACES}
     test = ("test: Student's t of ten equal parts of each run, "
             + ("in pairs: the same asperities meet in both" if paired else "Welch's for two runs")
-            + ". Of twenty quantities that do not differ it marks one, and in one of twenty comparisons any of the "
+            + ". Of twenty quantities that do not differ it marks one, and in one of twenty "
+              "comparisons any of the "
               "third octaves (Holm).")
     notes = [] if same_faces else _changed_profiles(a, b) + [
-        "The faces differ, and each side is one pair of them: the test knows chance within these runs alone. Of runs that "
-        "differ by their seeds alone it would mark a third of all quantities. Compare runs of several seeds on both "
+        "The faces differ, and each side is one pair of them: the test knows chance within these "
+        "runs alone. Of runs that "
+        "differ by their seeds alone it would mark a third of all quantities. Compare runs of "
+        "several seeds on both "
         "sides: two studies, or in Python ra2d.compare([a1, a2, ...], [b1, b2, ...])."]
     return _table(answers, "quantity"), _table(bands, "band"), test, notes
 
@@ -442,9 +471,12 @@ def _test_of_sets(one: Values, other: Values, paired: bool) -> tuple[float, str]
     if paired:
         both = one - other
         finite = both[np.isfinite(both)]
-        return (mean_differs(finite), "") if finite.size > 1 else (math.nan, "fewer than two pairs have one")
+        return (mean_differs(finite), "") if finite.size > 1 else (math.nan,
+                                                                   "fewer than two pairs have one")
     x, y = one[np.isfinite(one)], other[np.isfinite(other)]
-    return (means_differ(x, y), "") if min(x.size, y.size) > 1 else (math.nan, "fewer than two runs of a side have one")
+    return (means_differ(x, y), "") if min(x.size, y.size) > 1 else (math.nan,
+                                                                     "fewer than two runs of a "
+                                                                     "side have one")
 
 
 def _mean(values: Values) -> float:
@@ -471,14 +503,16 @@ def _logs(values: Sequence[float | None]) -> Values:
     return logs
 
 
-def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
+def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd.DataFrame,
+                                                                str, list[str]]:
     by_faces = [{_faces(result): result for result in side} for side in (a, b)]
     paired = len(by_faces[0]) == len(a) == len(b) and set(by_faces[0]) == set(by_faces[1])
     sides = [[result.analysis() for result in side] for side in
              ((list(a), [by_faces[1][_faces(result)] for result in a]) if paired else (a, b))]
     to_db = 10 / math.log(10)
 
-    def compare(unit: str, of: Callable[[Mapping[str, Any]], Any], offset: float = 180.0) -> dict[str, Any]:
+    def compare(unit: str, of: Callable[[Mapping[str, Any]], Any],
+                offset: float = 180.0) -> dict[str, Any]:
         x, y = (_logs([of(found) for found in side]) for side in sides)
         if unit.startswith("dB"):
             x, y = to_db * x + offset, to_db * y + offset
@@ -494,21 +528,28 @@ def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd
 
 
 def _test_between(paired: bool, a: int, b: int, of: str) -> str:
-    how = f"of {a} pairs of {of} with the same faces" if paired else f"of Welch, of {a} and {b} {of}"
-    return f"test: Student's t {how}; A and B are means over them. Of twenty quantities that do not differ it marks one."
+    how = (f"of {a} pairs of {of} with the same faces" if paired
+           else f"of Welch, of {a} and {b} {of}")
+    return (f"test: Student's t {how}; A and B are means over them. Of twenty quantities that do "
+            "not differ it marks one.")
 
 
 def _of_studies(a: Study, b: Study) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
     names = [str(name) for name in a.sizes if name != "seed"]
     if set(a.sizes) != set(b.sizes):
-        raise RequestError(f"A varies {', '.join(map(str, a.sizes))} and B {', '.join(map(str, b.sizes))}: two studies "
+        raise RequestError(
+            f"A varies {', '.join(map(str, a.sizes))} and B {', '.join(map(str, b.sizes))}: two "
+            "studies "
                            "are compared where both vary the same keys")
-    shared = {str(name): [value for value in a[name].values.tolist() if value in b[name].values.tolist()]
+    shared = {str(name): [value for value in a[name].values.tolist()
+                          if value in b[name].values.tolist()]
               for name in a.sizes}
     if not all(shared.values()):
-        raise RequestError("A and B have no run in common: no combination of values and seed is in both")
+        raise RequestError(
+            "A and B have no run in common: no combination of values and seed is in both")
     rows: dict[str, dict[str, Any]] = {}
-    sides = [side.sel(shared).stack(point=names) if names else side.sel(shared).expand_dims("point") for side in (a, b)]
+    sides = [side.sel(shared).stack(point=names) if names else side.sel(shared).expand_dims("point")
+             for side in (a, b)]
     for i in range(sides[0].sizes["point"]):
         one, other = (side.isel(point=i) for side in sides)
         where = ", ".join(f"{name} = {one[name].item()!s:.12}" for name in names)
@@ -518,10 +559,13 @@ def _of_studies(a: Study, b: Study) -> tuple[pd.DataFrame, pd.DataFrame, str, li
                 x, y = (x, y) if unit.startswith("dB") else (_logs(x.tolist()), _logs(y.tolist()))
                 rows[f"{words}, {where}" if where else words] = _row_of_sets(x, y, unit, True)
     _mark_family(rows)
-    test = (f"test: Student's t of {len(shared['seed'])} pairs of seeds at each of {sides[0].sizes['point']} points that "
+    test = (f"test: Student's t of {len(shared['seed'])} pairs of seeds at each of "
+            f"{sides[0].sizes['point']} points that "
             "both have. In one of twenty comparisons it marks any of them (Holm).")
-    left = [f"{side}: {study.sizes[name] - len(shared[str(name)])} values of {name} are not in the other"
-            for side, study in (("A", a), ("B", b)) for name in study.sizes if study.sizes[name] > len(shared[str(name)])]
+    left = [f"{side}: {study.sizes[name] - len(shared[str(name)])} values of {name} are not in the "
+            "other"
+            for side, study in (("A", a), ("B", b)) for name in study.sizes
+            if study.sizes[name] > len(shared[str(name)])]
     return _table(rows, "quantity"), _table({}, "band"), test, left
 
 
@@ -535,7 +579,8 @@ def _opened(source: Any) -> Any:
     if isinstance(source, list | tuple):
         opened = [_opened(one) for one in source]
         if not opened or not all(isinstance(one, Result) for one in opened):
-            raise RequestError("a list on one side holds results of ra2d.run or ra2d.load, one or more")
+            raise RequestError(
+                "a list on one side holds results of ra2d.run or ra2d.load, one or more")
         return opened[0] if len(opened) == 1 else opened
     if isinstance(source, str | os.PathLike):
         path = pathlib.Path(source)
@@ -576,12 +621,15 @@ def _called(side: Any) -> str:
         return side.folder.name
     if isinstance(side, Scene):
         return f"the scene {side.title}"
-    return f"{len(side)} results: {', '.join(one.path.name for one in side[:3])}{', ...' if len(side) > 3 else ''}"
+    return (f"{len(side)} results: "
+            f"{', '.join(one.path.name for one in side[:3])}{', ...' if len(side) > 3 else ''}")
 
 
 def _cut_short(name: str, side: Any) -> list[str]:
-    return [f"{name}: {one.path.name} was cut short after {quantity(one.duration, 's')}: {one.attrs.get('ended')}."
-            for one in (side if isinstance(side, list) else [side]) if isinstance(one, Result) and not one.complete]
+    return [f"{name}: {one.path.name} was cut short after {quantity(one.duration, 's')}: "
+            f"{one.attrs.get('ended')}."
+            for one in (side if isinstance(side, list) else [side]) if isinstance(one, Result)
+            and not one.complete]
 
 
 def compare(a: Source, b: Source) -> Comparison:
@@ -605,7 +653,9 @@ def compare(a: Source, b: Source) -> Comparison:
     one, other = _opened(a), _opened(b)
     is_study = [isinstance(side, Study) for side in (one, other)]
     if any(is_study) and not all(is_study):
-        raise RequestError("a study is compared with a study: give results or scenes on both sides, or two studies")
+        raise RequestError(
+            "a study is compared with a study: give results or scenes on both sides, or two "
+            "studies")
     table = _scene_table(_content(one), _content(other))
     names = (_called(one), _called(other))
     notes = _cut_short("A", one) + _cut_short("B", other)
@@ -620,6 +670,8 @@ def compare(a: Source, b: Source) -> Comparison:
     elif isinstance(one, list) and isinstance(other, list):
         answers, bands, test, more = _of_sets(one, other)
     else:
-        raise RequestError("one side is a single result, the other a list: give several results on both sides, of the "
+        raise RequestError(
+            "one side is a single result, the other a list: give several results on both sides, of "
+            "the "
                            "same seeds if you can")
     return Comparison(names, table, answers, bands, test, notes + more)

@@ -46,7 +46,8 @@ _IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"), (r"--(force|fresh
               (r"--checkpoint\b", "checkpoint=..."))
 _MORE_HELP = "\nRun with --help for more information."
 
-BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: FileError, 5: OutOfTime}
+BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: FileError,
+                                     5: OutOfTime}
 
 
 def error_of(status: int, message: str) -> Error:
@@ -66,5 +67,6 @@ def _for_python(message: str) -> str:
     'it exists: --force replaces it\\nIn Python: force=True'
     """
     message = message.removesuffix(_MORE_HELP)
-    found = [match.expand(cure) for words, cure in _IN_PYTHON if (match := re.search(words, message))]
+    found = [match.expand(cure) for words, cure in _IN_PYTHON
+             if (match := re.search(words, message))]
     return message + (f"\nIn Python: {', '.join(found)}" if found else "")

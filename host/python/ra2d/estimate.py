@@ -33,9 +33,11 @@ class Estimate(float):
         return made
 
     @classmethod
-    def of(cls, value: float | None, interval: Mapping[str, Any] | None, unit: str, note: str) -> Estimate:
+    def of(cls, value: float | None, interval: Mapping[str, Any] | None, unit: str,
+           note: str) -> Estimate:
         """From the program's JSON, where null stands for what does not exist."""
-        ends = [math.nan if interval is None or interval[end] is None else interval[end] for end in ("low", "high")]
+        ends = [math.nan if interval is None or interval[end] is None else interval[end]
+                for end in ("low", "high")]
         return cls(math.nan if value is None else value, ends[0], ends[1], unit, note)
 
     def __getnewargs__(self) -> tuple[float, float, float, str, str]:  # type: ignore[override]
@@ -45,7 +47,8 @@ class Estimate(float):
         if math.isnan(self):
             return f"none{f': {self.note}' if self.note else ''}"
         digits = ".1f" if self.unit.startswith("dB") else ".4g"
-        interval = "no interval" if math.isnan(self.low) else f"95 %: {self.low:{digits}} to {self.high:{digits}}"
+        interval = "no interval" if math.isnan(
+            self.low) else f"95 %: {self.low:{digits}} to {self.high:{digits}}"
         return " ".join(filter(None, [f"{float(self):{digits}}", self.unit, f"({interval})"]))
 
     __str__ = __repr__

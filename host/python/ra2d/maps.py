@@ -27,7 +27,8 @@ PATCH = 24            # nodes on each side of a shock
 
 def thinned(face: xr.DataArray, most: int = MOST_POINTS) -> xr.DataArray:
     """A map of at most so many points along each axis."""
-    return face.isel({name: slice(None, None, math.ceil(face.sizes[name] / most)) for name in face.dims}).load()
+    return face.isel({name: slice(None, None, math.ceil(face.sizes[name] / most))
+                      for name in face.dims}).load()
 
 
 def _edges(places: Array) -> tuple[float, float]:
@@ -36,15 +37,19 @@ def _edges(places: Array) -> tuple[float, float]:
     return 1e3 * (places[0] - half), 1e3 * (places[-1] + half)
 
 
-def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str = "m", middle: bool = False) -> Any:
+def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str = "m",
+         middle: bool = False) -> Any:
     """A map over (y, position), places in mm; with `bar` a colour bar of that name. `middle`:
     colours are symmetric about 0."""
     name, one = scale(unit, values.values)
     x, y = _edges(values.position.values), _edges(values.y.values)
     most = float(np.abs(values.values).max()) / one or 1.0
     limits = {"vmin": -most, "vmax": most} if middle else {}
-    true_to_scale = (x[1] - x[0]) <= LONGEST_TRUE * (y[1] - y[0]) and (y[1] - y[0]) <= 1.5 * (x[1] - x[0])
-    image = axes.imshow(values.values / one, origin="lower", extent=(*x, *y), cmap=colours, interpolation="none",
+    true_to_scale = (x[1] - x[0]) <= LONGEST_TRUE * (y[1]
+                                                     - y[0]) and (y[1]
+                                                                  - y[0]) <= 1.5 * (x[1] - x[0])
+    image = axes.imshow(values.values / one, origin="lower", extent=(*x, *y), cmap=colours,
+                        interpolation="none",
                         aspect="equal" if true_to_scale else "auto", **limits)
     axes.grid(False)
     axes.set_ylabel("y [mm]")
@@ -60,12 +65,14 @@ def dots(axes: Any, shocks: pd.DataFrame) -> int:
     """The places of shocks on a map, the strongest of many. Returns how many are drawn."""
     shown = shocks.nlargest(MOST_DOTS, "peak_force") if len(shocks) > MOST_DOTS else shocks
     size = min(9.0, max(1.5, 300 / max(1.0, len(shown)) ** 0.5))
-    axes.scatter(shown["position"] * 1e3, shown["y"] * 1e3, s=size, color="white", edgecolors=BLACK, linewidths=0.3,
+    axes.scatter(shown["position"] * 1e3, shown["y"] * 1e3, s=size, color="white", edgecolors=BLACK,
+                 linewidths=0.3,
                  rasterized=len(shown) > 500, zorder=3)
     return len(shown)
 
 
-def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = True, most: int = MOST_POINTS) -> None:
+def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = True,
+          most: int = MOST_POINTS) -> None:
     """Both faces under each other, with the places of the shocks on the resonator's."""
     under = thinned(result.profile("resonator").sel(position=slice(*track)), most)
     shocks = result.shocks
@@ -74,7 +81,8 @@ def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = 
     count = dots(panels[0], shocks)
     panels[0].set(xlim=limits[0], ylim=limits[1])
     of = f"the {count} strongest of " if count < len(shocks) else ""
-    panels[0].set_title("Resonator under the slider's path" + (f"; dots: {of}{len(shocks)} shocks" if len(shocks) else
+    panels[0].set_title("Resonator under the slider's path" + (f"; dots: {of}{len(shocks)} shocks"
+                                                               if len(shocks) else
                                                               "; there were no shocks"))
     panels[0].set_xlabel("x on the resonator [mm]")
     draw(panels[1], thinned(result.profile("slider"), most), "viridis", "height" if bars else "")
@@ -105,7 +113,8 @@ def motion(panels: Any, result: Result, time: float) -> None:
         field = result.field(time, what=what)
         draw(axes, field, "RdBu_r", what, unit, middle=True)
         _draw_slider(axes, result, float(field.time))
-        axes.set_title(f"{what.capitalize()} of the resonator at {quantity(float(field.time), 's', 7)}; frame: the slider")
+        axes.set_title(f"{what.capitalize()} of the resonator at "
+                       f"{quantity(float(field.time), 's', 7)}; frame: the slider")
     panels[-1].set_xlabel("x on the resonator [mm]")
 
 
@@ -132,44 +141,56 @@ def _distance(result: Result) -> float:
     return float((slider.values + under).max())
 
 
-def gap(result: Result, time: float, nodes: slice = slice(None), rows: slice = slice(None)) -> xr.DataArray:
+def gap(result: Result, time: float, nodes: slice = slice(None),
+        rows: slice = slice(None)) -> xr.DataArray:
     """The gap [m] between the faces at the sample nearest to a time [s], at nodes of the slider
     along x and y, over their places (y, position) on the resonator. Negative where they are in
     contact."""
     modes, block = result.modes("resonator"), result.modes("slider")
     if "displacement" not in modes:
-        raise RequestError(f"{str(result.path)!r} has no motion of the modes, of which the gap is made: its scene has "
+        raise RequestError(
+            f"{str(result.path)!r} has no motion of the modes, of which the gap is made: its scene "
+            "has "
                            'output.modes = "none"')
     u = modes.displacement.sel(time=time, method="nearest").load()
     face = result.profile("slider").isel(position=nodes, y=rows).load()
-    along = float(result.scene["start"]) + float(result.scene["speed"]) * float(u.time) + face.position.values
+    along = float(result.scene["start"]) + float(result.scene["speed"]) * float(
+        u.time) + face.position.values
     across = result.profile("resonator").y.values[rows]
     length, width = float(result.scene["resonator.length"]), float(result.scene["resonator.width"])
     plate = np.zeros(face.shape)
     if modes.sizes["mode"]:
         of_y = np.sin(np.pi / width * np.outer(across, modes.mode_y.values)) * u.values
-        plate = 2 / math.sqrt(length * width) * of_y @ np.sin(np.pi / length * np.outer(modes.mode_x.values, along))
+        plate = 2 / math.sqrt(length * width) * of_y @ np.sin(np.pi / length
+                                                              * np.outer(modes.mode_x.values,
+                                                                         along))
     rigid = np.zeros(face.shape)
     if block.sizes["mode"]:  # straight lines: two places have them
         straight = block.isel(position=[0, -1], y=[0, -1]).load().sel(time=u.time)
-        of_x, of_y = (np.array([np.interp(places, straight[name], shape) for shape in straight[f"shape_{axis}"].values])
-                      for axis, name, places in (("x", "position", face.position.values), ("y", "y", face.y.values)))
+        of_x, of_y = (np.array([np.interp(places, straight[name], shape)
+                                for shape in straight[f"shape_{axis}"].values])
+                      for axis, name, places in (("x", "position", face.position.values),
+                                                 ("y", "y", face.y.values)))
         rigid = (of_y * straight.displacement.values[:, None]).T @ of_x
     values = _distance(result) - face.values - rigid - _under(result, along, rows) - plate
-    return xr.DataArray(values, {"y": across, "position": along, "time": float(u.time)}, ("y", "position"), "gap",
+    return xr.DataArray(values, {"y": across, "position": along, "time": float(u.time)},
+                        ("y", "position"), "gap",
                         {"units": "m", "long_name": "gap between the faces"})
 
 
 def _time_to_show(result: Result, shock: pd.Series[float]) -> float:
     """The sample of the largest force within a shock; its middle where none falls into it [s]."""
-    within = result.contact.force.sel(time=slice(shock["start"], shock["start"] + shock["duration"])).load()
-    return float(within.time[int(np.argmax(within.values))]) if within.size else float(shock["start"] + shock["duration"] / 2)
+    within = result.contact.force.sel(time=slice(shock["start"],
+                                                 shock["start"] + shock["duration"])).load()
+    return float(within.time[int(np.argmax(within.values))]) if within.size else float(
+        shock["start"] + shock["duration"] / 2)
 
 
 def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
     """The gap around a shock, and the nodes in contact."""
     if "displacement" not in result.modes("resonator"):
-        style.say_empty(axes, "the file has no motion of the modes (output.modes)", "Gap around the shock")
+        style.say_empty(axes, "the file has no motion of the modes (output.modes)",
+                        "Gap around the shock")
         return
     time = _time_to_show(result, shock)
     x, y, _, _ = _block_at(result, time)
@@ -182,10 +203,12 @@ def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
     touching = int((found <= 0).sum())
     if touching:
         closed = np.where(found.values <= 0, 1.0, np.nan)
-        axes.imshow(closed, origin="lower", extent=axes.images[0].get_extent(), cmap=ListedColormap([RUST]),
+        axes.imshow(closed, origin="lower", extent=axes.images[0].get_extent(),
+                    cmap=ListedColormap([RUST]),
                     interpolation="none", aspect=axes.get_aspect())
     axes.plot(shock["position"] * 1e3, shock["y"] * 1e3, marker="+", color="white", ms=9, mew=1.6)
     axes.set_xlabel("x on the resonator [mm]")
     axes.set_title(f"Gap around the shock (+) at {quantity(float(found.time), 's', 7)}; "
-                   + (f"brown: {touching} node{'s' if touching != 1 else ''} in contact" if touching else
+                   + (f"brown: {touching} node{'s' if touching != 1 else ''} in contact"
+                      if touching else
                       "no node is in contact at this sample"))

@@ -42,7 +42,8 @@ MEANS = {"lv": ("level Lv, dB re 1 nm/s", 1), "v_rms": ("velocity, rms, mm/s", 1
          "shocks.duration.median": ("median duration of shocks, \u00b5s", 1e-6),
          "shocks.peak_force.median": ("median peak force, N", 1),
          "shocks.impulse.median": ("median impulse, \u00b5N s", 1e-6),
-         "shocks.simultaneous.mean": ("shocks at once", 1), "energy.sliding_power": ("power from sliding, mW", 1e-3),
+         "shocks.simultaneous.mean": ("shocks at once", 1),
+         "energy.sliding_power": ("power from sliding, mW", 1e-3),
          "energy.damping_power": ("power to damping, mW", 1e-3),
          "energy.per_shock": ("energy that a shock gives, nJ", 1e-9)}
 
@@ -55,7 +56,8 @@ def _level(found: dict[str, Any]) -> Markup:
         return Markup("none: nothing was counted")
     if not found["v_rms"]:
         return Markup("\u2212\u221e dB: the resonator did not vibrate")
-    text = html("<b>{} dB</b> re 1 nm/s (v<sub>rms</sub> {} m/s)", f"{found['lv']:.2f}", number(found["v_rms"]))
+    text = html("<b>{} dB</b> re 1 nm/s (v<sub>rms</sub> {} m/s)", f"{found['lv']:.2f}",
+                number(found["v_rms"]))
     low, high = found["lv_interval"]["low"], found["lv_interval"]["high"]
     if low is None:
         return text + html("; no interval: {}", found["no_interval"])
@@ -67,12 +69,14 @@ def _shocks(shocks: dict[str, Any]) -> Facts:
         return [("shocks", Markup("none"))]
     low, high = shocks["rate_interval"]["low"], shocks["rate_interval"]["high"]
     interval = "" if low is None else f"; 95 %: {low:.0f} to {high:.0f}"
-    rows = [("shocks", html("<b>{} a second</b> ({} in all){}", f"{shocks['rate']:.0f}", shocks["count"], interval))]
+    rows = [("shocks", html("<b>{} a second</b> ({} in all){}", f"{shocks['rate']:.0f}",
+                            shocks["count"], interval))]
     rows += [(name, spread(shocks[key], one, unit)) for key, name, one, unit in (
         ("duration", "their duration", 1e-6, "\u00b5s"), ("peak_force", "their peak force", 1, "N"),
         ("impulse", "their impulse", 1e-6, "\u00b5N s"))]
     at_once = shocks["simultaneous"]
-    return rows + [("at once", html("{} on average, {} at most", number(at_once["mean"]), at_once["max"]))]
+    return rows + [("at once", html("{} on average, {} at most", number(at_once["mean"]),
+                                    at_once["max"]))]
 
 
 def _loudest(found: dict[str, Any]) -> Facts:
@@ -81,7 +85,8 @@ def _loudest(found: dict[str, Any]) -> Facts:
     if not found["v_rms"] or not np.isfinite(levels).any():
         return []
     i = int(np.nanargmax(levels))
-    return [("loudest third octave", html("{} Hz, {} dB (95 %: \u00b1 {} dB)", bands["nominal"][i], f"{levels[i]:.1f}",
+    return [("loudest third octave", html("{} Hz, {} dB (95 %: \u00b1 {} dB)", bands["nominal"][i],
+                                          f"{levels[i]:.1f}",
                                           f"{1.96 * bands['spread'][i]:.1f}"))]
 
 
@@ -91,9 +96,11 @@ def _damping(found: dict[str, Any]) -> Facts:
     if not ratios:
         return []
     modal = found["modal_damping"]
-    return [("half-power damping", html("{} to {}, of {} of {} modes{}", number(min(ratios)), number(max(ratios)),
+    return [("half-power damping", html("{} to {}, of {} of {} modes{}", number(min(ratios)),
+                                        number(max(ratios)),
                                         len(ratios), len(found["peaks"]),
-                                        "" if modal is None else html("; modal damping {}", number(modal))))]
+                                        "" if modal is None
+                                        else html("; modal damping {}", number(modal))))]
 
 
 def _figures(found: dict[str, Any]) -> Facts:
@@ -101,7 +108,8 @@ def _figures(found: dict[str, Any]) -> Facts:
     energy = found["energy"]
     rows = [("level Lv", _level(found)), *_shocks(found["shocks"])]
     if energy["per_shock"] is not None:
-        rows.append(("energy they give", html("{} nJ each, on average", number(energy["per_shock"] * 1e9))))
+        rows.append(("energy they give",
+                     html("{} nJ each, on average", number(energy["per_shock"] * 1e9))))
     if found["contact_share"] is not None:
         rows.append(("in contact", html("{} % of the time", f"{100 * found['contact_share']:.2f}")))
     rows += _loudest(found) + _damping(found)
@@ -112,9 +120,11 @@ def _figures(found: dict[str, Any]) -> Facts:
         if microphone["lpa"] is not None:
             place = ", ".join(f"{x:g}" for x in microphone["position"])
             rows.append((f"microphone {i}", html("<b>{} dB(A)</b>, {} dB re 20 \u00b5Pa at {} m",
-                                                 f"{microphone['lpa']:.1f}", f"{microphone['lp']:.1f}", place)))
+                                                 f"{microphone['lpa']:.1f}",
+                                                 f"{microphone['lp']:.1f}", place)))
     if energy["closure"] is not None:
-        rows.append(("energy balance", html("off by {} of its largest term", number(energy["closure"], 2))))
+        rows.append(("energy balance",
+                     html("off by {} of its largest term", number(energy["closure"], 2))))
     return rows
 
 
@@ -128,7 +138,8 @@ def _peaks(found: dict[str, Any]) -> list[list[Markup]]:
 
 def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     """Doubts that a reader should not overlook."""
-    closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found["mesh_tone"], []
+    closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found[
+        "mesh_tone"], []
     if not result.complete:
         why = str(result.attrs.get("ended", "the file does not say why"))
         doubts.append(f"The run was cut short: {shortened(why, LONGEST_DOUBT)}")
@@ -138,12 +149,16 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     if closure is not None and closure > MUCH_ENERGY:
         doubts.append(f"{100 * closure:.0f} % of the energy is unaccounted for.")
     if aliased:
-        doubts.append(f"{aliased} mode{' lies' if aliased == 1 else 's lie'} above half the rate of the samples: "
-                      "spectrum, third octaves and sound have their power in wrong places. A higher output.rate mends "
+        doubts.append(f"{aliased} mode{' lies' if aliased == 1 else 's lie'} above half the rate "
+                      "of the samples: "
+                      "spectrum, third octaves and sound have their power in wrong places. A "
+                      "higher output.rate mends "
                       "that.")
     if tone["stands_out"]:
-        doubts.append(f"The mesh's own tone at {quantity(tone['frequency'], 'Hz')} (speed/spacing) stands "
-                      f"{tone['rise']:.0f} dB above its surroundings: it belongs to the spacing, not to the surface.")
+        doubts.append(f"The mesh's own tone at {quantity(tone['frequency'], 'Hz')} (speed/spacing) "
+                      "stands "
+                      f"{tone['rise']:.0f} dB above its surroundings: it belongs to the spacing, "
+                      "not to the surface.")
     return doubts
 
 
@@ -163,7 +178,8 @@ def _cuts(result: Result) -> tuple[list[Sound], str]:
     begin, end = found["from"], found["to"]
     try:
         cuts = [result.listen(start=begin, stop=min(end, begin + LONGEST_CLIP)),
-                result.listen(start=begin, stop=min(end, begin + LONGEST_SLOW / SLOWER), slow=SLOWER,
+                result.listen(start=begin, stop=min(end, begin + LONGEST_SLOW / SLOWER),
+                              slow=SLOWER,
                               rate=_rate_for(found["rate"] / 2 / SLOWER))]
     except RequestError as why:
         return [], f"No sound: {shortened(str(why), LONGEST_DOUBT)}"
@@ -177,7 +193,8 @@ def _heard(result: Result) -> list[Sound]:
     for microphone in plots.heard_by(result)[:1]:
         begin, end = microphone["from"], microphone["to"]
         try:
-            return [result.listen(at=[microphone["position"]], start=begin, stop=min(end, begin + LONGEST_CLIP))]
+            return [result.listen(at=[microphone["position"]], start=begin,
+                                  stop=min(end, begin + LONGEST_CLIP))]
         except RequestError:  # too few samples
             break
     return []
@@ -188,7 +205,8 @@ def _about_heard(result: Result, sound: Sound, full_scale: float) -> Markup:
     about, microphone = sound.about, plots.heard_by(result)[0]
     whole = microphone["to"] - microphone["from"]
     text = html("Sound pressure at {} m: {} s to {} s of the run. Full scale is {} Pa.",
-                ", ".join(f"{x:g}" for x in microphone["position"]), number(about["from"]), number(about["to"]),
+                ", ".join(f"{x:g}" for x in microphone["position"]), number(about["from"]),
+                number(about["to"]),
                 number(full_scale))
     shortened_to = html(" Shortened: all of it would last {} s.", number(whole))
     return text + (shortened_to if len(sound.samples) < 0.999 * whole * sound.rate else Markup(""))
@@ -201,11 +219,13 @@ def _about(result: Result, sound: Sound, full_scale: float) -> Markup:
         return _about_heard(result, sound, full_scale)
     slow, whole = about["slow"], (found["to"] - found["from"]) * about["slow"]
     text = html("<b>{}</b>, at {} m: {} s to {} s of the run. Full scale is {} m/s.",
-                f"{slow:g} times slower" if slow > 1 else "As it is", number(about["position"]), number(about["from"]),
+                f"{slow:g} times slower" if slow > 1 else "As it is", number(about["position"]),
+                number(about["from"]),
                 number(about["to"]), number(full_scale))
     if len(sound.samples) < 0.999 * whole * sound.rate:
         text += html(" Shortened: all of it would last {} s.", number(whole))
-    return text + (html(" What is heard at 1 kHz moves at {} kHz.", f"{slow:g}") if slow > 1 else Markup(""))
+    return text + (html(" What is heard at 1 kHz moves at {} kHz.", f"{slow:g}") if slow > 1
+                   else Markup(""))
 
 
 def _lead(sounds: Sequence[Sound]) -> str:
@@ -215,7 +235,8 @@ def _lead(sounds: Sequence[Sound]) -> str:
         return "The velocity of a place on the resonator; it is no sound pressure."
     if pressures == len(sounds):
         return "The sound pressure at a microphone."
-    return "First the sound pressure at a microphone, then the velocity of a place on the resonator, which is no pressure."
+    return ("First the sound pressure at a microphone, then the velocity of a place on the "
+            "resonator, which is no pressure.")
 
 
 def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
@@ -225,11 +246,14 @@ def _clips(results: Sequence[Result]) -> list[dict[str, Any]]:
     for result in results[:MOST_SOUNDS]:
         cuts, why = _cuts(result)
         chosen.append((_heard(result) + cuts, why))
-    chosen += [([], f"Of many results the first {MOST_SOUNDS} alone have their sounds here: ra2d sound makes them of "
+    chosen += [([],
+                f"Of many results the first {MOST_SOUNDS} alone have their sounds here: ra2d sound "
+                "makes them of "
                 "any.")] * (len(results) - len(chosen))
     scales: dict[str, float] = {}
     for sound in (sound for cuts, _ in chosen for sound in cuts):
-        scales[sound.about["quantity"]] = max(sound.full_scale(), scales.get(sound.about["quantity"], 0.0))
+        scales[sound.about["quantity"]] = max(sound.full_scale(),
+                                              scales.get(sound.about["quantity"], 0.0))
 
     def clip(result: Result, sound: Sound) -> tuple[Markup, str]:
         scale = scales[sound.about["quantity"]]
@@ -264,8 +288,10 @@ def _scene_text(result: Result) -> str:
     """The scene to copy. Profiles have the hash of their heights: by it a reader knows the
     files."""
     scene = result.scene.content()
-    lines = [f"# {printable(name)}: put it beside this scene. surface/{body}/height in the result: xxh3_128 "
-             f"{result.height_hash(body)}\n" for body in BODIES if (name := _profile(scene, body)) is not None]
+    lines = [f"# {printable(name)}: put it beside this scene. surface/{body}/height in the result: "
+             "xxh3_128 "
+             f"{result.height_hash(body)}\n" for body in BODIES
+             if (name := _profile(scene, body)) is not None]
     return "".join(lines) + without_folders(str(result.attrs["scene"]))
 
 
@@ -278,7 +304,8 @@ def _origin(attrs: dict[str, Any]) -> str:
 def _section(result: Result, sheet: page_svg.Sheet, sounds: dict[str, Any]) -> dict[str, Any]:
     found = result.analysis()
     return {"title": shortened(result.title, LONGEST_TITLE), "doubts": _doubts(result, found),
-            "lead": html("{}, {} s to {} s. {}", result.path.name, number(found["from"], 6), number(found["to"], 6),
+            "lead": html("{}, {} s to {} s. {}", result.path.name, number(found["from"], 6),
+                         number(found["to"], 6),
                          _origin(result.attrs)),
             "figures": _figures(found), "damping": _peaks(found), "sounds": sounds,
             "pictures": page_pictures.of_result(result, sheet), "requested": _requested(result),
@@ -293,7 +320,8 @@ def _comparison(results: Sequence[Result]) -> list[tuple[str, bool, list[Markup]
         shocks = found["shocks"]
         duration = shocks["duration"]["median"]
         rows.append((result.path.name, result.complete, [
-            number(found["lv"], 5), number(shocks["rate"], 5), number(None if duration is None else duration * 1e6),
+            number(found["lv"], 5), number(shocks["rate"], 5),
+            number(None if duration is None else duration * 1e6),
             number(shocks["peak_force"]["median"])]))
     return rows
 
@@ -305,7 +333,8 @@ def _means(results: Sequence[Result]) -> list[list[Markup]]:
         name, one = MEANS.get(key, (key, 1))
         mean, low, high, deviation = (None if found[part] is None else found[part] / one
                                       for part in ("mean", "low", "high", "deviation"))
-        rows.append([html("{}", name), number(mean, 5), html("{} to {}", number(low, 5), number(high, 5)),
+        rows.append([html("{}", name), number(mean, 5),
+                     html("{} to {}", number(low, 5), number(high, 5)),
                      number(deviation, 2)])
     return rows
 
@@ -318,8 +347,10 @@ def results_text(results: Sequence[Result], command: str = "") -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Notice)  # the page says it
         sheet, many = page_svg.Sheet(), len(results) > 1
-        sections = [_section(result, sheet, sounds) for result, sounds in zip(results, _clips(results))]
-        return _page(f"Roughness noise: {len(results)} results" if many else sections[0]["title"], command, sheet,
+        sections = [_section(result, sheet, sounds)
+                    for result, sounds in zip(results, _clips(results))]
+        return _page(f"Roughness noise: {len(results)} results" if many else sections[0]["title"],
+                     command, sheet,
                      results=sections, comparison=_comparison(results) if many else [],
                      means=_means(results) if many else [], study=None)
 
@@ -335,27 +366,34 @@ def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "")
 # -------------------------------------------------------------------------------------------
 
 _AMPLITUDES = {"v_rms": Markup("v<sub>rms</sub>"), "lp": Markup("p<sub>rms</sub>"),
-               "lpa": Markup("p<sub>rms</sub>, A-weighted,"), "lw": Markup("\u221aW"), "lwa": Markup("\u221aW, A-weighted,")}
+               "lpa": Markup("p<sub>rms</sub>, A-weighted,"), "lw": Markup("\u221aW"),
+               "lwa": Markup("\u221aW, A-weighted,")}
 
 
 def _law_note(law: Law) -> Markup:
     about = law.about
-    text = html("Least squares of log {} over {} runs; R\u00b2 = {}", _AMPLITUDES[about["of"]], about["runs"],
+    text = html("Least squares of log {} over {} runs; R\u00b2 = {}", _AMPLITUDES[about["of"]],
+                about["runs"],
                 f"{law.r_squared:.4f}")
     if math.isfinite(law.deviation):
         text += html(", {} dB from the law to a run", f"{law.deviation:.2f}")
     text += html(".")
     if about["left_out"]:
         text += html(" {} runs without a level are left out.", about["left_out"])
-    text += Markup("").join(html(" All values of {} are taken together.", name) for name in about["pooled"])
-    return text + (html(" The intervals are by the {} seeds: runs of one seed share their surfaces.", about["seeds"])
-                   if about["seeds"] > 1 else html(" The intervals take each run's deviation for chance of its own."))
+    text += Markup("").join(html(" All values of {} are taken together.", name)
+                            for name in about["pooled"])
+    return text + (html(
+        " The intervals are by the {} seeds: runs of one seed share their surfaces.",
+        about["seeds"])
+                   if about["seeds"] > 1
+                   else html(" The intervals take each run's deviation for chance of its own."))
 
 
 def _change(of: dict[str, Any]) -> str:
     """How an exponent changes along another key."""
     word = "falls" if of["exponent_to"] < of["exponent_from"] else "rises"
-    return (f"The exponent of {of['of']} {word} from {of['exponent_from']:.3f} at {of['along']} = {of['from']:g} to "
+    return (f"The exponent of {of['of']} {word} from {of['exponent_from']:.3f} at {of['along']} = "
+            f"{of['from']:g} to "
             f"{of['exponent_to']:.3f} at {of['to']:g}.")
 
 
@@ -364,10 +402,13 @@ def _sentence(text: str) -> str:
 
 
 def _law(law: Law) -> dict[str, Any]:
-    powers = Markup("").join(html(" {}<sup>{}</sup>", name, f"{float(e):.3f}") for name, e in law.exponents.items())
+    powers = Markup("").join(html(" {}<sup>{}</sup>", name, f"{float(e):.3f}")
+                             for name, e in law.exponents.items())
     line = law.about["straight_line"]
-    return {"formula": html("{} \u221d{}", _AMPLITUDES[law.about["of"]], powers), "note": _law_note(law),
-            "shape": [_sentence(line["says"]), *map(_change, line["changes"])], "bends": line["fits"] is False,
+    return {"formula": html("{} \u221d{}", _AMPLITUDES[law.about["of"]], powers),
+            "note": _law_note(law),
+            "shape": [_sentence(line["says"]), *map(_change, line["changes"])],
+            "bends": line["fits"] is False,
             "exponents": [(name, f"{float(e):.3f}", _between(e.low, e.high, ".3f"))
                           for name, e in law.exponents.items()]}
 
@@ -378,7 +419,8 @@ def _large(value: float, form: str) -> str:
 
 
 def _between(low: float, high: float, form: str) -> str:
-    return f"{_large(low, form)} to {_large(high, form)}" if math.isfinite(low) else "too few runs for one"
+    return f"{_large(low, form)} to {_large(high, form)}" if math.isfinite(
+        low) else "too few runs for one"
 
 
 def _columns(study: Study, means: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
@@ -387,7 +429,9 @@ def _columns(study: Study, means: pd.DataFrame) -> tuple[list[str], list[list[st
     for name in _dimensions(study):
         values = means[name].tolist()
         texts = [value for value in values if isinstance(value, str)]
-        shown, unit = (texts, "") if texts else study_plot.words(values, unit_text(study[name].attrs.get("units", "1")))
+        shown, unit = (texts, "") if texts else study_plot.words(values,
+                                                                 unit_text(study[name].attrs.get(
+                                                                     "units", "1")))
         heads.append(f"{name}, {unit}" if unit else name)
         columns.append(shown)
     return heads, columns
@@ -403,7 +447,8 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
     shown = means.head(MOST_ROWS)
     heads, columns = _columns(study, shown)
     kinds = [("level", ".2f", "Lv, dB"), ("shock_rate", ".4g", "shocks, 1/s")]
-    kinds += [(name, ".2f", head) for name, head in (("lpa", "pressure, dB(A)"), ("lwa", "power, dB(A) re 1 pW"))
+    kinds += [(name, ".2f", head)
+              for name, head in (("lpa", "pressure, dB(A)"), ("lwa", "power, dB(A) re 1 pW"))
               if name in means and means[name].notna().any()]
     rows = []
     for i, row in enumerate(shown.to_dict("records")):
@@ -413,7 +458,8 @@ def _rows(study: Study) -> tuple[list[str], list[list[str]], int]:
             interval = _between(row[f"{name}_low"], row[f"{name}_high"], form)
             rows[-1] += [_large(row[name], form) if there else "\u2013",
                          interval if there and row["runs"] > 1 else "\u2013"]
-    return [*heads, "runs", *(text for _, _, head in kinds for text in (head, "95 %"))], rows, len(means)
+    return [*heads, "runs",
+            *(text for _, _, head in kinds for text in (head, "95 %"))], rows, len(means)
 
 
 def _failures(study: Study) -> list[str]:
@@ -439,11 +485,15 @@ def study_text(study: Study, command: str = "") -> str:
         why = _sentence(str(fault).removeprefix("this study has no law: "))
     sheet = page_svg.Sheet()
     missing = int(a["runs"]) - int(a["done"]) - int(a["failed"])
-    lead = f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. {_origin(a)}"
+    lead = (f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. "
+            f"{_origin(a)}")
     heads, rows, count = _rows(study)
-    return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[], means=[], study={
-        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None, "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
-        "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows, "count": count,
+    return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[],
+                 means=[], study={
+        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None,
+        "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
+        "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows,
+        "count": count,
         "study": without_folders(str(a["study"])), "set": without_folders(str(a.get("set", ""))),
         "base": without_folders(str(a["base"]))})
 
@@ -467,12 +517,16 @@ def _require_page(path: pathlib.Path) -> None:
 
 def _shown(value: object) -> object:
     """Texts from outside as they are shown."""
-    return value if isinstance(value, Markup) else printable(str(value).replace("\r\n", "\n"), lines=True)
+    return value if isinstance(value,
+                               Markup) else printable(str(value).replace("\r\n", "\n"), lines=True)
 
 
 def _page(title: str, command: str, sheet: page_svg.Sheet, **parts: Any) -> str:
     """Fills the page."""
-    environment = jinja2.Environment(loader=jinja2.PackageLoader("ra2d", "."), autoescape=True, trim_blocks=True,
-                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined, finalize=_shown)
-    return environment.get_template("page.html").render(parts, title=title, command=command, sheet=sheet,
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("ra2d", "."), autoescape=True,
+                                     trim_blocks=True,
+                                     lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+                                     finalize=_shown)
+    return environment.get_template("page.html").render(parts, title=title, command=command,
+                                                        sheet=sheet,
                                                         made_by=program.call("--version").strip())

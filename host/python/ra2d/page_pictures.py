@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 3.6, 2.7  # inches: its letters are as large as the page's on a telephone
 MOST_PIXELS = 300         # of a map, along each axis
-LETTERS = dict(zip(MARKS, "\u25cf\u25a0\u25b2\u25c6\u25bc\u271a\u2716\u2605"))  # the marks as letters
+# the marks as letters
+LETTERS = dict(zip(MARKS, "\u25cf\u25a0\u25b2\u25c6\u25bc\u271a\u2716\u2605"))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,15 +63,19 @@ def _spectrum(result: Result) -> tuple[Picture, str, Markup]:
         for text in axes.texts:  # which the doubts say
             text.set_visible(text.get_text() == "95 %")
             text.set_x(0.94)
-    caption = html("<b>Velocity spectrum</b>, mean over the resonator, a line every {} Hz ({} segments). Ticks at the "
-                   "top: natural frequencies of the free resonator.", number(spectrum.resolution), spectrum.segments)
+    caption = html("<b>Velocity spectrum</b>, mean over the resonator, a line every {} Hz ({} "
+                   "segments). Ticks at the "
+                   "top: natural frequencies of the free resonator.", number(spectrum.resolution),
+                   spectrum.segments)
     if tone["in_spectrum"]:
         caption += html(" Dashed: speed/spacing, {}{}.", quantity(tone["frequency"], "Hz"),
                         ", the mesh's own tone, not the surface's" if tone["stands_out"] else "")
     if spectrum.low and spectrum.high:
-        caption += html(" The bar marked 95 %: where the true density lies around each line, {} to {} dB, were the "
+        caption += html(" The bar marked 95 %: where the true density lies around each line, {} to "
+                        "{} dB, were the "
                         "noise stationary and Gaussian.", *(number(10 * math.log10(end), 2)
-                                                            for end in (spectrum.low, spectrum.high)))
+                                                            for end in (spectrum.low,
+                                                                        spectrum.high)))
     return figure, "Velocity spectrum of the resonator", caption
 
 
@@ -79,7 +84,8 @@ def _pressures(result: Result) -> Markup:
     heard = plots.heard_by(result)
     if not heard:
         return Markup("")
-    each = "; ".join(f"{LETTERS[MARKS[i]]} at {plots.microphone_words(one)}" for i, one in enumerate(heard))
+    each = "; ".join(f"{LETTERS[MARKS[i]]} at {plots.microphone_words(one)}"
+                     for i, one in enumerate(heard))
     return html(" Lines, axis on the right: sound pressure in dB re 20 \u00b5Pa, {}.", each)
 
 
@@ -89,10 +95,12 @@ def _bands(result: Result) -> tuple[Picture, str, Markup]:
     figure = _small(lambda body: plots.PANELS["bands"][0](body, result, False))
     axes = figure.axes[0]
     step = 6 if len(names) > 18 else 3
-    named = [i for i, centre in enumerate(bands.frequency.values) if round(10 * math.log10(centre)) % step == 3 % step]
+    named = [i for i, centre in enumerate(bands.frequency.values)
+             if round(10 * math.log10(centre)) % step == 3 % step]
     axes.set_xticks(named, [style.plain_number(float(names[i])) for i in named], rotation=0)
     axes.set_xlabel("midband frequency [Hz]")
-    caption = html("<b>Third octaves</b> (IEC 61260-1), mean over the resonator. Bars with ends: one standard "
+    caption = html("<b>Third octaves</b> (IEC 61260-1), mean over the resonator. Bars with ends: "
+                   "one standard "
                    "deviation over runs, were the noise stationary and Gaussian.")
     if bands.above_last_mode.any():
         caption += html(" Hollow: above the last mode that was kept, at {}: no information.",
@@ -107,29 +115,35 @@ def _level(result: Result) -> tuple[Picture, str, Markup]:
     level = result.level
     if math.isfinite(level):
         begin = result.analysis()["from"]
-        caption += html(" Dashed: {}, {} dB", f"from {quantity(begin, 's')} on" if begin else "the whole run",
+        caption += html(" Dashed: {}, {} dB", f"from {quantity(begin, 's')} on" if begin
+                        else "the whole run",
                         f"{level:.1f}")
         caption += html("; shaded: its 95 % interval." if math.isfinite(level.low) else ".")
     return figure, "Level over the time of the run", caption + _pressures(result)
 
 
-def _histogram(result: Result, kind: tuple[str, str, str], heading: str) -> tuple[Picture, str, Markup]:
+def _histogram(result: Result, kind: tuple[str, str, str],
+               heading: str) -> tuple[Picture, str, Markup]:
     key, unit, _ = kind
     shocks = result.analysis()["shocks"]
     name, one = style.scale(unit, shocks[key]["median"])
     figure = _small(lambda body: plots.draw_histogram(body.subplots(), shocks, *kind))
     axes = figure.axes[0]
     axes.set_ylim(0, axes.get_ylim()[1] / 1.3)  # no legend
-    caption = html("<b>Shocks: {}.</b> Line: {}. Dashed: nine of ten are below. Ten bins to a decade.", heading,
+    caption = html("<b>Shocks: {}.</b> Line: {}. Dashed: nine of ten are below. Ten bins to a "
+                   "decade.", heading,
                    spread(shocks[key], one, name))
     return figure, f"Histogram of shocks: {heading}", caption
 
 
 def _maps(result: Result) -> tuple[Picture, str, Markup]:
-    figure = _small(lambda body: maps.faces(body.subplots(2, 1), result, plots.track(result), False, MOST_PIXELS),
+    figure = _small(lambda body: maps.faces(body.subplots(2, 1), result, plots.track(result), False,
+                                            MOST_PIXELS),
                     1.6 * HEIGHT)
-    caption = html("<b>Faces</b>, dark: low, light: high. Above the resonator's under the slider's path{}; below the "
-                   "slider's, seen through it from above", f", with the places of {len(result.shocks)} shocks"
+    caption = html("<b>Faces</b>, dark: low, light: high. Above the resonator's under the slider's "
+                   "path{}; below the "
+                   "slider's, seen through it from above",
+                   f", with the places of {len(result.shocks)} shocks"
                    if len(result.shocks) else "")
     return figure, "Faces as maps, and places of contact", caption + html(".")
 
@@ -138,7 +152,8 @@ def _faces(result: Result) -> tuple[Picture, str, Markup]:
     if result.is_areal:
         return _maps(result)
     figure = _small(lambda body: plots.PANELS["profiles"][0](body, result, False), 1.2 * HEIGHT)
-    caption = html("<b>Faces</b>, heights much enlarged: the resonator's (blue), where the slider passes")
+    caption = html("<b>Faces</b>, heights much enlarged: the resonator's (blue), where the slider "
+                   "passes")
     if "start" in result.scene.content().get("scene", {}):  # not of other versions' scenes
         caption += html(", and above it the slider's at the start, face down (brown)")
     if count := len(result.shocks):
@@ -160,7 +175,8 @@ def _drawn(result: Result) -> Iterator[tuple[Picture, str, Markup]]:
 
 def of_result(result: Result, sheet: page_svg.Sheet) -> list[Figure]:
     """The pictures of a result that has something to show in them."""
-    return [Figure(_svg(figure, sheet, about), caption) for figure, about, caption in _drawn(result)]
+    return [Figure(_svg(figure, sheet, about), caption)
+            for figure, about, caption in _drawn(result)]
 
 
 # ---- studies
@@ -189,7 +205,8 @@ def _key(axes: Any, sheet: page_svg.Sheet) -> Markup:
 
 def _against(study: Study, law: Law | None, name: str, sheet: page_svg.Sheet) -> Figure:
     figure = study_plot.panel(study, law, name, WIDTH, HEIGHT)
-    caption = html("<b>Level against {}</b>: means over the seeds with 95 % intervals, which are cut at the ends of "
+    caption = html("<b>Level against {}</b>: means over the seeds with 95 % intervals, which are "
+                   "cut at the ends of "
                    "the axis.", name)
     caption += html(" Lines: the law." if law and name in law.exponents else
                     " Lines join what differs in nothing else.")

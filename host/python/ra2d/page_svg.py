@@ -27,7 +27,8 @@ Points = npt.NDArray[np.int64]
 
 DOTS = 10       # of the picture's units, to a point
 FINEST = 10     # units along the axis, in which a line shows its lowest and its highest point alone
-ANCHORS = {"left": ("", 0.0), "center": (";text-anchor:middle", 0.5), "right": (";text-anchor:end", 1.0)}
+ANCHORS = {"left": ("", 0.0), "center": (";text-anchor:middle", 0.5),
+           "right": (";text-anchor:end", 1.0)}
 NAMES = dict(zip(SERIES, ("blue", "rust", "plum", "sky", "ink", "green", "amber", "moss"))) | {
     BLACK: "ink", GREY: "soft", "#ffffff": "paper"}
 
@@ -47,7 +48,8 @@ class Sheet:
     def colour(self, given: Any) -> str:
         """A colour as the page names it."""
         code = matplotlib.colors.to_hex(given)
-        return f"var(--{NAMES.get(code) or self._colours.setdefault(code, f'c{len(self._colours)}')})"
+        name = NAMES.get(code) or self._colours.setdefault(code, f"c{len(self._colours)}")
+        return f"var(--{name})"
 
     def classes(self) -> Markup:
         return Markup("".join(f".{name}{{{style}}}" for style, name in self._classes.items()))
@@ -61,7 +63,8 @@ class Sheet:
 def _for_dark(code: str) -> str:
     """A lighter one of the same hue. Their order by lightness stays."""
     hue, lightness, saturation = colorsys.rgb_to_hls(*matplotlib.colors.to_rgb(code))
-    return str(matplotlib.colors.to_hex(colorsys.hls_to_rgb(hue, 0.55 + 0.4 * lightness, saturation)))
+    return str(matplotlib.colors.to_hex(colorsys.hls_to_rgb(hue, 0.55 + 0.4 * lightness,
+                                                            saturation)))
 
 
 def _joined(numbers: Sequence[int]) -> str:
@@ -130,7 +133,8 @@ def _pieces(vertices: npt.NDArray[np.float64], codes: npt.NDArray[np.uint8] | No
             text += "z"
             at = begin
         else:
-            text += ("q" if count == 2 else "c") + _joined((points[i:i + count] - at).ravel().tolist())
+            text += ("q" if count == 2
+                     else "c") + _joined((points[i:i + count] - at).ravel().tolist())
             at = points[i + count - 1]
         i += count
     return text
@@ -142,7 +146,8 @@ class _Renderer(RendererBase):  # type: ignore[misc]
     def __init__(self, sheet: Sheet, width: float, height: float) -> None:
         super().__init__()
         self.sheet, self.width, self.height = sheet, width, height
-        self.parts: list[tuple[str, str, list[str]]] = []  # class, clip and paths; or, with an empty class, a text
+        # class, clip and paths; or, with an empty class, a text
+        self.parts: list[tuple[str, str, list[str]]] = []
         self.clips: dict[tuple[int, ...], str] = {}
         self.axis: list[int] = []  # where the parts of an axis begin: their order does not matter
         self.flipped = Affine2D().scale(1, -1).translate(0, height)
@@ -174,7 +179,8 @@ class _Renderer(RendererBase):  # type: ignore[misc]
             if len(face) == 4 and face[3] != 1 and not forced:
                 style += f";fill-opacity:{face[3]:.2g}"
         if gc.get_linewidth() and (forced or gc.get_rgb()[3]):
-            style += f";stroke:{self.sheet.colour(gc.get_rgb()[:3])};stroke-width:{DOTS * gc.get_linewidth():.2g}"
+            style += (f";stroke:{self.sheet.colour(gc.get_rgb()[:3])}"
+                      f";stroke-width:{DOTS * gc.get_linewidth():.2g}")
             if gc.get_rgb()[3] != 1 and not forced:
                 style += f";stroke-opacity:{gc.get_rgb()[3]:.2g}"
             start, dashes = gc.get_dashes()
@@ -211,10 +217,14 @@ class _Renderer(RendererBase):  # type: ignore[misc]
         self.parts.append((kind, clip, [path]))
 
     def draw_path(self, gc: Any, path: Any, transform: Any, rgbFace: Any = None) -> None:
-        drawn = path.cleaned(transform + self.flipped, remove_nans=True, curves=True, simplify=False)
-        held = drawn.vertices.clip(-8 * self.width, 8 * self.width)  # far points are outside of the picture anyway
-        ends = held[drawn.codes != Path.CLOSEPOLY][:-1] if len(held) > 1 else held  # the last one only ends the path
-        self._add(self._style(gc, rgbFace), self._clip(gc, ends), _pieces(held, drawn.codes).replace("m", "M", 1))
+        drawn = path.cleaned(transform + self.flipped, remove_nans=True, curves=True,
+                             simplify=False)
+        # far points are outside of the picture anyway
+        held = drawn.vertices.clip(-8 * self.width, 8 * self.width)
+        # the last one only ends the path
+        ends = held[drawn.codes != Path.CLOSEPOLY][:-1] if len(held) > 1 else held
+        self._add(self._style(gc, rgbFace), self._clip(gc, ends),
+                  _pieces(held, drawn.codes).replace("m", "M", 1))
 
     def draw_markers(self, gc: Any, marker_path: Any, marker_trans: Any, path: Any, trans: Any,
                      rgbFace: Any = None) -> None:
@@ -223,13 +233,17 @@ class _Renderer(RendererBase):  # type: ignore[misc]
         places = places[np.isfinite(places).all(axis=1)].clip(-8 * self.width, 8 * self.width)
         clip, shape = self._clip(gc, places), _pieces(mark.vertices, mark.codes)
         styles = [self._style(gc, rgbFace)]
-        if rgbFace is not None and mark.codes is not None and (mark.codes == Path.CURVE4).sum() > 20:  # a circle
-            size, edge, shape = 2 * float(mark.vertices[:, 0].max()), DOTS * gc.get_linewidth(), "h0"
-            styles = [f"stroke:{self.sheet.colour(colour[:3])};stroke-width:{width:.0f};stroke-linecap:round"
+        is_circle = mark.codes is not None and (mark.codes == Path.CURVE4).sum() > 20
+        if rgbFace is not None and is_circle:
+            size, edge = 2 * float(mark.vertices[:, 0].max()), DOTS * gc.get_linewidth()
+            shape = "h0"
+            styles = [f"stroke:{self.sheet.colour(colour[:3])};stroke-width:{width:.0f}"
+                      ";stroke-linecap:round"
                       for colour, width in ((gc.get_rgb(), size + edge), (rgbFace, size - edge))]
             if styles[0].split(";")[0] == styles[1].split(";")[0]:
                 del styles[1]
-        marks = "".join(f"M{_joined(place)}{shape}" for place in np.rint(places).astype(int).tolist())
+        marks = "".join(f"M{_joined(place)}{shape}"
+                        for place in np.rint(places).astype(int).tolist())
         for style in styles:
             self._add(style, clip, marks)
 
@@ -243,23 +257,30 @@ class _Renderer(RendererBase):  # type: ignore[misc]
         data = base64.b64encode(out.getvalue()).decode()
         a, b, c, d, e, f = placed
         flipped = (a, b, -c, -d, e + c * rows, f + d * rows)  # rows of a PNG go down
-        self.parts.append(("", "", [f'<image width="{columns}" height="{rows}" style="image-rendering:pixelated" '
-                                    f'transform="matrix({" ".join(f"{number:.6g}" for number in flipped)})" '
-                                    f'href="data:image/png;base64,{data}"/>']))
+        matrix = " ".join(f"{number:.6g}" for number in flipped)
+        self.parts.append(("", "",
+                           [f'<image width="{columns}" height="{rows}" '
+                            'style="image-rendering:pixelated" '
+                            f'transform="matrix({matrix})" '
+                            f'href="data:image/png;base64,{data}"/>']))
 
-    def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float, ismath: Any = False,
+    def draw_text(self, gc: Any, x: float, y: float, s: str, prop: Any, angle: float,
+                  ismath: Any = False,
                   mtext: Any = None) -> None:
         anchor, share = ANCHORS[mtext.get_horizontalalignment() if mtext is not None else "left"]
         along = share * self.get_text_width_height_descent(s, prop, ismath)[0]
         x += along * math.cos(math.radians(angle))
         y -= along * math.sin(math.radians(angle))
-        style = f"fill:{self.sheet.colour(gc.get_rgb()[:3])};font-size:{DOTS * prop.get_size_in_points():.0f}px{anchor}"
+        style = (f"fill:{self.sheet.colour(gc.get_rgb()[:3])}"
+                 f";font-size:{DOTS * prop.get_size_in_points():.0f}px{anchor}")
         if prop.get_weight() in ("bold", 700):
             style += ";font-weight:bold"
         turned = f' transform="rotate({-angle:.0f} {x:.0f} {y:.0f})"' if angle else ""
         text = _power(s) if ismath else escape(printable(s))
-        self.parts.append(("", "", [f'<text class="{self.sheet.kind(style)}" x="{x:.0f}" y="{y:.0f}"{turned}>'
-                                    f"{text}</text>"]))
+        self.parts.append(("", "",
+                           [f'<text class="{self.sheet.kind(style)}" x="{x:.0f}" '
+                            f'y="{y:.0f}"{turned}>'
+                            f"{text}</text>"]))
 
     def picture(self, about: str) -> Markup:
         """The element, with a summary for those who cannot see it."""
@@ -274,7 +295,9 @@ class _Renderer(RendererBase):  # type: ignore[misc]
 
 def _power(formula: str) -> Markup:
     """Numbers on axes of decades, the only formulas in a page's pictures."""
-    plain = formula.replace("$", "").replace(r"\mathdefault", "").replace(r"\times", "\u00d7").replace("{", "").replace(
+    plain = formula.replace("$", "").replace(r"\mathdefault",
+                                             "").replace(r"\times",
+                                                         "\u00d7").replace("{", "").replace(
         "}", "")
     base, _, power = plain.replace("-", "\u2212").partition("^")
     raised = Markup('<tspan dy="-.35em" font-size="75%">{}</tspan>').format(power) if power else ""

@@ -12,10 +12,12 @@ from markupsafe import Markup, escape
 
 from .scenes import UNITS
 
-_CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
+_CONTROLS = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
 _TEXTS = re.compile(
     r'"""(?P<long>.*?)"""' r"|'''(?P<plain_long>.*?)'''"            # of many lines
-    r'|"(?P<quoted>(?:\\.|[^"\\\n])*)(?:"|$)' r"|'(?P<plain>[^'\n]*)(?:'|$)" r"|(?P<comment>\#[^\n]*)",
+    r'|"(?P<quoted>(?:\\.|[^"\\\n])*)(?:"|$)' r"|'(?P<plain>[^'\n]*)(?:'|$)"
+    r"|(?P<comment>\#[^\n]*)",
     re.DOTALL | re.MULTILINE)
 _IN_COMMENT = re.compile(r"""(["'`])(/(?:[^"'`\n]*/)?)[^"'`/\n]+\1""")
 
@@ -80,20 +82,23 @@ def number(value: float | None, digits: int = 3) -> Markup:
         text = f"{float(text):.0f}"
     base, _, power = text.partition("e")
     base = f"{float(base):g}" if power else base
-    raised = f"\u00a0\u00d7\u00a010<sup>{str(int(power)).replace('-', chr(0x2212))}</sup>" if power else ""
+    raised = (f"\u00a0\u00d7\u00a010<sup>{str(int(power)).replace('-', chr(0x2212))}</sup>"
+              if power else "")
     return Markup(base.replace("-", "\u2212") + raised)
 
 
 def html(form: str, *values: object) -> Markup:
     """A text with values in it, which are escaped unless they are markup."""
-    return Markup(form).format(*(value if isinstance(value, Markup) else printable(str(value)) for value in values))
+    return Markup(form).format(*(value if isinstance(value, Markup) else printable(str(value))
+                                 for value in values))
 
 
 def spread(found: Mapping[str, float | None], one: float, unit: str) -> Markup:
     """Median and the middle 80 % of a quantity of the shocks. `one`: what one of the unit is."""
     median, low, high = (None if found[key] is None else found[key] / one  # type: ignore[operator]
                          for key in ("median", "p10", "p90"))
-    return html("median {} {}; eight of ten from {} to {}", number(median), unit, number(low), number(high))
+    return html("median {} {}; eight of ten from {} to {}", number(median), unit, number(low),
+                number(high))
 
 
 def with_unit(key: str, value: Any, digits: int = 3, prefix: str = "", one: float = 1) -> Markup:
@@ -107,7 +112,8 @@ def with_unit(key: str, value: Any, digits: int = 3, prefix: str = "", one: floa
 def _length(key: str, value: Any) -> Markup:
     """A length, with a prefix that suits its size."""
     if isinstance(value, int | float) and 0 < abs(value) < 0.9995:
-        return with_unit(key, value, 4, *(("m", 1e-3) if abs(value) >= 0.9995e-3 else ("\u00b5", 1e-6)))
+        return with_unit(key, value, 4,
+                         *(("m", 1e-3) if abs(value) >= 0.9995e-3 else ("\u00b5", 1e-6)))
     return with_unit(key, value, 4)
 
 
@@ -115,11 +121,14 @@ def _length(key: str, value: Any) -> Markup:
 # ------------------------------------------------------------------------------------
 
 def _random_face(face: Mapping[str, Any]) -> Markup:
-    text = html("random, {} correlation, Rq {}", face.get("correlation", "gaussian"), _length("rq", face["rq"]))
+    text = html("random, {} correlation, Rq {}", face.get("correlation", "gaussian"),
+                _length("rq", face["rq"]))
     text += Markup("").join(html(", {} {}", name, _length(key, face[key])) for key, name in (
-        ("rsm", "RSm"), ("rsm_y", "RSm across"), ("correlation_length", "correlation length")) if key in face)
+        ("rsm", "RSm"), ("rsm_y", "RSm across"), ("correlation_length", "correlation length"))
+                            if key in face)
     text += Markup("").join(html(", {} {}", name, number(face[key])) for key, name in (
-        ("hurst", "Hurst exponent"), ("skewness", "skewness"), ("kurtosis", "kurtosis")) if key in face)
+        ("hurst", "Hurst exponent"), ("skewness", "skewness"), ("kurtosis", "kurtosis"))
+                            if key in face)
     return text + html(", seed {}", face.get("seed", 1))
 
 
@@ -137,7 +146,8 @@ def _face(face: Mapping[str, Any]) -> Markup:
 
 def _body(body: Mapping[str, Any], kind: str = "beam") -> Markup:
     sizes = [html("{} {}", _length(key, body[key]), word)
-             for key, word in (("length", "long"), ("thickness", "thick"), ("width", "wide")) if key in body]
+             for key, word in (("length", "long"), ("thickness", "thick"), ("width", "wide"))
+             if key in body]
     text = html("{} {}, {}", body["support"], kind, Markup(", ").join(sizes))
     if body["support"] == "rigid":
         return text
@@ -148,7 +158,8 @@ def _body(body: Mapping[str, Any], kind: str = "beam") -> Markup:
     if kind == "plate":
         text += html("; Poisson's ratio {}", number(body["poisson"]))
     if "max_frequency" in body:
-        text += html("; modes up to {}", with_unit("max_frequency", body["max_frequency"], 3, "k", 1e3))
+        text += html("; modes up to {}",
+                     with_unit("max_frequency", body["max_frequency"], 3, "k", 1e3))
     if "modes" in body:
         text += html("; {} elastic modes", body["modes"])
     return text
@@ -164,19 +175,24 @@ def requested(scene: Mapping[str, Any]) -> list[tuple[str, Markup]]:
     rows = [
         ("sliding", html("{} at {}, from {} on", with_unit("duration", run["duration"], 4),
                          with_unit("speed", run["speed"]), _length("start", run["start"]))),
-        ("resonator", _body(resonator, kinds[0])), ("its face", _face(resonator.get("surface", {}))),
+        ("resonator", _body(resonator, kinds[0])),
+        ("its face", _face(resonator.get("surface", {}))),
         ("slider", _body(slider, kinds[1])), ("its face", _face(slider.get("surface", {}))),
         ("load", html("its weight") if load == "weight" else with_unit("load", load)),
         ("contact", html("penalty, {}", with_unit("stiffness", contact["stiffness"]))
-         if contact.get("law", "penalty") == "penalty" else html("Lagrange multipliers: no penetration")),
-        ("spacing", html("{} along, {} across; the slider's side at {}", _length("spacing", run["spacing"]),
+         if contact.get("law", "penalty") == "penalty"
+         else html("Lagrange multipliers: no penetration")),
+        ("spacing", html("{} along, {} across; the slider's side at {}",
+                         _length("spacing", run["spacing"]),
                          _length("spacing_y", run["spacing_y"]), _length("side", run["side"]))
          if areal else _length("spacing", run["spacing"])),
         ("time scheme", html("{}, tolerance {}", time["scheme"], number(time["tolerance"]))
-         if time["scheme"] == "adaptive" else html("{}, steps of {}", time["scheme"], with_unit("step", time["step"]))),
+         if time["scheme"] == "adaptive" else html("{}, steps of {}", time["scheme"],
+                                                   with_unit("step", time["step"]))),
         ("samples", html("{}; counted from {} on", with_unit("rate", output["rate"], 4, "k", 1e3),
                          with_unit("from", output.get("from", 0.0))))]
     return rows + [("moving force", html("{} at {}{}", with_unit("force", force["force"]),
                                          with_unit("speed", force["speed"]),
-                                         html(", {} across", _length("y", force["y"])) if "y" in force else ""))
+                                         html(", {} across", _length("y", force["y"]))
+                                         if "y" in force else ""))
                    for force in resonator.get("moving_force", [])]

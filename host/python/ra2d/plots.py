@@ -15,7 +15,8 @@ from . import maps, shock_plot, spectrogram, stretch, style
 from .errors import RequestError
 from .results import MOTIONS
 from .stretch import Stretch
-from .style import BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal, quantity, scale
+from .style import (BLACK, BLUE, DECIBEL, GREEN, GREY, PLUM, RUST, SKY, Array, Picture, literal,
+                    quantity, scale)
 
 if TYPE_CHECKING:
     from .results import Result
@@ -75,10 +76,12 @@ def _draw_faces(axes: Any, result: Result) -> None:
         drawn.append(gap - slider.values)
         title += f"; mean lines {quantity(gap, 'm')} apart"
     unit, one = scale("m", *drawn)
-    style.draw_series(axes, resonator.sel(position=slice(low, high)).position.values * 1e3, drawn[0] / one, BLUE,
+    style.draw_series(axes, resonator.sel(position=slice(low, high)).position.values * 1e3,
+                      drawn[0] / one, BLUE,
                       label="resonator", mean=False, fill=0.9)
     if start is not None:
-        style.draw_series(axes, (start + slider.position.values) * 1e3, drawn[1] / one, RUST, mean=False, fill=0.9,
+        style.draw_series(axes, (start + slider.position.values) * 1e3, drawn[1] / one, RUST,
+                          mean=False, fill=0.9,
                           label="slider at t = 0, face down")
     axes.set_title(title)
     axes.set_ylabel(f"height [{unit}]")
@@ -108,7 +111,8 @@ def _draw_strongest(axes: Any, result: Result) -> None:
         return
     shown = shocks.nlargest(MOST_DOTS, "peak_force")
     unit, one = scale("N", shown["peak_force"])
-    cloud = axes.scatter(shown["position"] * 1e3, shown["peak_force"] / one, c=shown["start"], s=9, cmap="viridis",
+    cloud = axes.scatter(shown["position"] * 1e3, shown["peak_force"] / one, c=shown["start"], s=9,
+                         cmap="viridis",
                          lw=0, rasterized=len(shown) > 500)
     axes.figure.colorbar(cloud, ax=axes, label="begins at [s]", pad=0.01, aspect=14)
     axes.set_title("Peak forces: every shock" if len(shown) == len(shocks) else
@@ -130,12 +134,14 @@ def _profiles(figure: Any, result: Result, alone: bool) -> None:
 
 # ---- in time -------------------------------------------------------------------------------------
 
-def _draw_lines(axes: Any, lines: list[tuple[str | None, xr.DataArray]], name: str, unit_name: str, title: str) -> None:
+def _draw_lines(axes: Any, lines: list[tuple[str | None, xr.DataArray]], name: str, unit_name: str,
+                title: str) -> None:
     """Series over one time; each with its colour and line."""
     time = lines[0][1].time.values
     unit, one = scale(unit_name, *(values.values for _, values in lines))
     place = style.time_axis(axes, time)
-    per_point = max(style.draw_series(axes, place(time), values.values / one, style.SERIES[i], style.LINES[i], label)
+    per_point = max(style.draw_series(axes, place(time), values.values / one, style.SERIES[i],
+                                      style.LINES[i], label)
                    for i, (label, values) in enumerate(lines))
     if per_point > 1:
         style.time_axis(axes, time, f"  (band: extremes of {per_point} samples, line: mean)")
@@ -155,8 +161,9 @@ def _around_largest(force: xr.DataArray) -> slice:
 def _force(figure: Any, result: Result, alone: bool) -> None:
     force = result.contact.force.load()
     if not force.any():
-        why = "the bodies never touched: no contact force" if not len(result.shocks) else \
-            "no sample fell into a contact: the shocks are shorter than the time from sample to sample"
+        why = ("the bodies never touched: no contact force" if not len(result.shocks) else
+               "no sample fell into a contact: the shocks are shorter than the time from sample to "
+               "sample")
         style.say_empty(figure.subplots(), why, "Contact force")
         return
     panels = figure.subplots(2 if alone else 1, 1, squeeze=False)[:, 0]
@@ -187,7 +194,8 @@ def _displacement(figure: Any, result: Result, alone: bool) -> None:
     _draw_lines(panels[0], lines, "displacement", "m", title + more)
     if alone:
         close = _around_largest(result.contact.force.load())
-        _draw_lines(panels[1], [(label, values.isel(time=close)) for label, values in lines], "displacement", "m",
+        _draw_lines(panels[1], [(label, values.isel(time=close)) for label, values in lines],
+                    "displacement", "m",
                     "Around the largest force, every sample")
 
 
@@ -196,8 +204,10 @@ def level_in_time(result: Result) -> tuple[Array, Array]:
     modes, by the formula of docs/analysis.md."""
     modes = result.modes("resonator")
     weight = modes.mean_square.values
-    edges = np.linspace(0, modes.sizes["time"], min(WINDOWS, modes.sizes["time"] // 2) + 1).astype(int)
-    square = [float((modes.velocity[a:b].values ** 2 @ weight).mean()) for a, b in zip(edges, edges[1:])]
+    edges = np.linspace(0, modes.sizes["time"],
+                        min(WINDOWS, modes.sizes["time"] // 2) + 1).astype(int)
+    square = [float((modes.velocity[a:b].values ** 2 @ weight).mean())
+              for a, b in zip(edges, edges[1:])]
     with np.errstate(divide="ignore"):
         levels = 10 * np.log10(np.array(square)) + 180
     return modes.time.values[(edges[:-1] + edges[1:]) // 2], levels
@@ -237,21 +247,25 @@ def _level(figure: Any, result: Result, _: bool) -> None:
         axes.plot(span, [found, found], color=RUST, ls="--", lw=1.2, zorder=4,
                   label=f"{since}: {found:.2f} dB")
     if math.isfinite(found.low):
-        axes.fill_between(span, found.low, found.high, color=RUST, alpha=0.12, lw=0, label="its 95 % interval")
+        axes.fill_between(span, found.low, found.high, color=RUST, alpha=0.12, lw=0,
+                          label="its 95 % interval")
     finite = levels[np.isfinite(levels)]
     high = max([*finite, found if math.isfinite(found) else -math.inf])
     low = max(finite.min(), high - 80)
     margin = max(1.0, 0.08 * (high - low))
     axes.set_ylim(low - 2.5 * margin, high + margin)
     axes.legend(loc="lower right", ncol=2)
-    _draw_pressures(axes, result, lambda microphone: heard_in_time(microphone, place), "upper right", 2)
+    _draw_pressures(axes, result, lambda microphone: heard_in_time(microphone, place),
+                    "upper right", 2)
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}, over {quantity((result.duration - first) / len(levels), 's')} each")
 
 
 # what, its name, colour, line and width: where lines lie upon one another, the wider ones show
-FLOWS = [("load_work", "put in by loads", SKY, "-", 4.5), ("sliding_work", "put in by sliding", BLUE, "-", 2.2),
-         ("damping_loss", "lost to damping", RUST, "--", 1.7), ("stored", "stored since the start", GREEN, ":", 2),
+FLOWS = [("load_work", "put in by loads", SKY, "-", 4.5),
+         ("sliding_work", "put in by sliding", BLUE, "-", 2.2),
+         ("damping_loss", "lost to damping", RUST, "--", 1.7),
+         ("stored", "stored since the start", GREEN, ":", 2),
          ("missing", "missing", BLACK, (0, (1, 2)), 1.3)]
 STORES = [("kinetic", "kinetic", BLUE, "-", 1.6), ("elastic", "elastic", RUST, "--", 1.6),
           ("contact", "in contacts", GREEN, ":", 1.8)]
@@ -261,7 +275,8 @@ def _draw_energies(axes: Any, energy: xr.Dataset, kinds: list[Any], title: str) 
     time = energy.time.values
     unit, one = scale("J", *(energy[key].values for key, *_ in kinds))
     place = style.time_axis(axes, time)
-    per_point = [style.draw_series(axes, place(time), energy[key].values / one, colour, line, name, width, fill=0.25)
+    per_point = [style.draw_series(axes, place(time), energy[key].values / one, colour, line, name,
+                                   width, fill=0.25)
                 for key, name, colour, line, width in kinds]
     if per_point[0] > 1:
         style.time_axis(axes, time, f"  (band: extremes of {per_point[0]} samples, line: mean)")
@@ -275,7 +290,8 @@ def _energy(figure: Any, result: Result, alone: bool) -> None:
     title = "Energy: what went in and where it went"
     energy = result.energy.load()
     if not any(values.any() for values in energy.data_vars.values()):
-        style.say_empty(figure.subplots(), "no energy went through: nothing moved and nothing touched", title)
+        style.say_empty(figure.subplots(),
+                        "no energy went through: nothing moved and nothing touched", title)
         return
     total = energy.kinetic + energy.elastic + energy.contact
     energy["stored"] = total - total[0]
@@ -318,12 +334,15 @@ def _draw_confidence(axes: Any, low: float | None, high: float | None) -> None:
         return
     bottom, top = axes.get_ylim()
     middle, across = bottom * (top / bottom) ** 0.86, axes.get_yaxis_transform()
-    axes.errorbar([0.975], [middle], yerr=[[middle * (1 - low)], [middle * (high - 1)]], color=GREY, capsize=3, lw=1.2,
+    axes.errorbar([0.975], [middle], yerr=[[middle * (1 - low)], [middle * (high - 1)]], color=GREY,
+                  capsize=3, lw=1.2,
                   transform=across, zorder=5)
-    axes.text(0.96, middle, "95 %", transform=across, ha="right", va="center", color=GREY, fontsize=8)
+    axes.text(0.96, middle, "95 %", transform=across, ha="right", va="center",
+              color=GREY, fontsize=8)
 
 
-def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Array]], title: str) -> None:
+def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Array]],
+                    title: str) -> None:
     spectrum = result.spectrum()
     at = spectrum.frequency.values[1:]
     for i, (label, density) in enumerate(lines):
@@ -335,10 +354,12 @@ def _draw_densities(axes: Any, result: Result, lines: list[tuple[str | None, Arr
         axes.legend(loc="lower left")
     axes.set_ylabel("PSD of velocity [(m/s)\u00b2/Hz]")
     axes.set_title(title)
-    axes.set_xlabel(f"frequency [Hz]  (a line every {spectrum.resolution:.3g} Hz; {spectrum.segments} segments)")
+    axes.set_xlabel(f"frequency [Hz]  (a line every {spectrum.resolution:.3g} Hz; "
+                    f"{spectrum.segments} segments)")
     if aliased := result.analysis()["aliased_modes"]:
         axes.text(0.02, 0.9, f"{aliased} modes lie above half the rate of the samples:\n"
-                  "their power stands at frequencies not theirs", transform=axes.transAxes, va="top", color=RUST,
+                  "their power stands at frequencies not theirs", transform=axes.transAxes,
+                  va="top", color=RUST,
                   fontsize=8, weight="bold")
     _draw_confidence(axes, spectrum.low, spectrum.high)
 
@@ -370,7 +391,8 @@ def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
 def band_axis(axes: Any, names: list[str]) -> None:
     """An axis of bands: all their names, or every other one."""
     step = max(1, math.ceil(len(names) / 32))
-    axes.set_xticks(range(0, len(names), step), names[::step], rotation=60 if len(names) > 12 else 0)
+    axes.set_xticks(range(0, len(names), step), names[::step],
+                    rotation=60 if len(names) > 12 else 0)
     axes.grid(False, axis="x")
     axes.set_xlim(-0.7, len(names) - 0.3)
     axes.set_xlabel("midband frequency [Hz]")
@@ -396,7 +418,8 @@ def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], 
         return
     right_axes = axes.twinx()
     for i, microphone in enumerate(heard):
-        right_axes.plot(*line(microphone), color=_OF_PRESSURE[i], marker=style.MARKS[i], ms=size, lw=1, alpha=0.85,
+        right_axes.plot(*line(microphone), color=_OF_PRESSURE[i], marker=style.MARKS[i], ms=size,
+                        lw=1, alpha=0.85,
                     label=f"pressure at {microphone_words(microphone)}")
     right_axes.grid(False)
     right_axes.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
@@ -406,7 +429,8 @@ def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], 
 
 def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:
     its = microphone["bands"]
-    shown = [(names.index(name), level) for name, level in zip(its["nominal"], its["level"]) if name in names
+    shown = [(names.index(name), level) for name, level in zip(its["nominal"], its["level"])
+             if name in names
              and level is not None]
     return [at for at, _ in shown], [level for _, level in shown]
 
@@ -433,14 +457,17 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
     levels = bands.level.values
     finite = levels[np.isfinite(levels)]
     bottom = 5 * math.floor((max(finite.min(), finite.max() - 80) - 5) / 5)
-    bars = axes.bar(np.arange(levels.size), np.maximum(levels - bottom, 0), 0.85, bottom=bottom, color=SKY, ec=BLUE,
-                    lw=0.8, yerr=bands.spread.values, error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
+    bars = axes.bar(np.arange(levels.size), np.maximum(levels - bottom, 0), 0.85, bottom=bottom,
+                    color=SKY, ec=BLUE,
+                    lw=0.8, yerr=bands.spread.values,
+                    error_kw={"ecolor": BLACK, "capsize": 2, "lw": 0.9})
     above = [bar for bar, is_above in zip(bars, bands.above_last_mode.values) if is_above]
     for bar in above:
         bar.set(facecolor="white", hatch="////")
     if above:
         axes.legend(above[:1], ["above the last mode that was kept, at "
-                                f"{quantity(bands.last_mode, 'Hz')}: no information"], loc="upper right")
+                                f"{quantity(bands.last_mode, 'Hz')}: no information"],
+                    loc="upper right")
     band_axis(axes, bands.nominal.values.tolist())
     axes.set_ylim(bottom, finite.max() + 6)
     names = bands.nominal.values.tolist()
@@ -460,7 +487,8 @@ def _spectrogram(figure: Any, result: Result, _: bool) -> None:
 # ---- shocks
 # ----------------------------------------------------------------------------------------
 
-KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"), ("impulse", "N s", "impulse"),
+KINDS = [("duration", "s", "duration"), ("peak_force", "N", "peak force"),
+         ("impulse", "N s", "impulse"),
          ("interval", "s", "time from start to start")]
 
 
@@ -487,7 +515,8 @@ def draw_histogram(axes: Any, shocks: dict[str, Any], key: str, unit_name: str, 
     axes.set_ylim(0, 1.45 * share.max())
     for name, line, text in (("median", "-", "median"), ("p90", "--", "90 % up to")):
         value = spread[name]
-        axes.axvline(value / one, ls=line, color=BLACK, lw=1, label=f"{text} {quantity(value, unit_name)}")
+        axes.axvline(value / one, ls=line, color=BLACK, lw=1,
+                     label=f"{text} {quantity(value, unit_name)}")
     axes.legend(loc="upper right", handlelength=1.6, fontsize=8)
 
 
@@ -510,8 +539,10 @@ def _shocks(figure: Any, result: Result, alone: bool) -> None:
 # ------------------------------------------------------------------------------------------
 
 PANELS: dict[str, tuple[Callable[[Any, Any, bool], None], float]] = {
-    "profiles": (_profiles, 7.5), "force": (_force, 6), "displacement": (_displacement, 6), "spectrum": (_spectrum, 5),
-    "probe-spectra": (_probe_spectra, 5.6), "shocks": (_shocks, 6), "level": (_level, 4.2), "energy": (_energy, 7),
+    "profiles": (_profiles, 7.5), "force": (_force, 6), "displacement": (_displacement, 6),
+    "spectrum": (_spectrum, 5),
+    "probe-spectra": (_probe_spectra, 5.6), "shocks": (_shocks, 6), "level": (_level, 4.2),
+    "energy": (_energy, 7),
     "bands": (_bands, 4.6), "spectrogram": (_spectrogram, 5.2)}
 SAME = {"waterfall": "spectrogram"}  # another word for a panel
 SHOCK, MOTION = "shock", "motion"
@@ -525,11 +556,13 @@ def facts(result: Result) -> str:
     parts = []
     if math.isfinite(level):
         parts.append(f"level {level:.2f} {DECIBEL}"
-                     + (f" (95 %: {level.low:.1f} to {level.high:.1f})" if math.isfinite(level.low) else ""))
+                     + (f" (95 %: {level.low:.1f} to {level.high:.1f})"
+                        if math.isfinite(level.low) else ""))
     elif found["v_rms"] == 0:
         parts.append("the resonator is at rest")
     if rate := found["shocks"]["rate"]:
-        parts.append(f"{rate:.0f} shocks a second" if rate >= 1000 else f"{rate:.3g} shocks a second")
+        parts.append(f"{rate:.0f} shocks a second" if rate >= 1000
+                     else f"{rate:.3g} shocks a second")
     if found["contact_share"] is not None:
         parts.append(f"in contact {100 * found['contact_share']:.3g} % of the time")
     if found["energy"]["closure"] is not None:
@@ -541,7 +574,8 @@ def doubts(result: Result) -> str:
     """Warnings that stand in the head of a picture."""
     found = []
     if not result.complete:
-        found.append(f"The run was cut short after {quantity(stretch.whole_duration(result), 's')}: "
+        found.append("The run was cut short after "
+                     f"{quantity(stretch.whole_duration(result), 's')}: "
                      f"{result.attrs['ended']}.")
     if "beyond_limit" in result.attrs:
         found.append("A step beyond the limit of stability was forced.")
@@ -553,11 +587,13 @@ def _head(result: Result) -> list[tuple[str, float, str, str]]:
     lines = [(literal(words), 13.0, "bold", BLACK),
              (facts(result), 9.5, "normal", BLACK)]
     if heard := heard_by(result):
-        lines.append(("sound at " + "  \u00b7  ".join(map(microphone_words, heard)), 9.5, "normal", BLACK))
+        lines.append(("sound at " + "  \u00b7  ".join(map(microphone_words, heard)), 9.5,
+                      "normal", BLACK))
     return lines + ([(literal(doubts(result)), 9.5, "bold", RUST)] if doubts(result) else [])
 
 
-def _motion(result: Result, time: float | None, lines: list[tuple[str, float, str, str]]) -> Picture:
+def _motion(result: Result, time: float | None,
+            lines: list[tuple[str, float, str, str]]) -> Picture:
     """The resonator's displacement and velocity at a time: maps, or lines along a beam."""
     modes = result.modes("resonator")
     figure, body = style.page(10, 11 if result.is_areal else 6, lines)
@@ -579,8 +615,10 @@ def _motion(result: Result, time: float | None, lines: list[tuple[str, float, st
         start = _start(result)
         if start is not None:
             begin = start + float(result.scene["speed"]) * float(field.time)
-            axes.axvspan(1e3 * begin, 1e3 * (begin + float(result.scene["slider.length"])), color=GREY, alpha=0.15, lw=0)
-        axes.set_title(f"{name.capitalize()} of the resonator at {quantity(float(field.time), 's', 7)}; grey: the slider")
+            axes.axvspan(1e3 * begin, 1e3 * (begin + float(result.scene["slider.length"])),
+                         color=GREY, alpha=0.15, lw=0)
+        axes.set_title(f"{name.capitalize()} of the resonator at "
+                       f"{quantity(float(field.time), 's', 7)}; grey: the slider")
         axes.set_ylabel(f"{name} [{unit}]")
     panels[-1].set_xlabel("place on the resonator [mm]")
     return figure
@@ -598,7 +636,8 @@ def views() -> list[str]:
     return ["overview", *PANELS, *SAME, SHOCK, MOTION]
 
 
-def result(of: Result, what: str = "overview", start: float | None = None, stop: float | None = None,
+def result(of: Result, what: str = "overview", start: float | None = None,
+           stop: float | None = None,
            shock: int | None = None, time: float | None = None) -> Picture:
     """The picture of a result: "overview", or one panel. `start`, `stop` [s]: of a stretch alone;
     `shock`: which one is shown as "shock", the strongest without it; `time` [s] of "motion", that
@@ -625,7 +664,8 @@ def result(of: Result, what: str = "overview", start: float | None = None, stop:
         figure, body = style.page(11, 14 * (high + 3.05) / 4.5, lines)
         rows = body.subfigures(4, 1, height_ratios=[high, 1, 1.05, 1])
         _draw("profiles", rows[0], of, False)
-        for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"), ("shocks", "energy"))):
+        for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"),
+                                         ("shocks", "energy"))):
             for cell, name in zip(row.subfigures(1, 2), names):
                 _draw(name, cell, of, False)
         return figure

@@ -29,14 +29,16 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
-def _draw(axes: Any, drawn: Data, colour: str, x_unit: float, y_unit: float, line: Any = "-", label: str | None = None,
+def _draw(axes: Any, drawn: Data, colour: str, x_unit: float, y_unit: float, line: Any = "-",
+          label: str | None = None,
           width: float = 1.0, fill: float = 0.45, mean: bool = True) -> None:
     """A line; of values that were put together, the band from their lowest to their highest, and
     their mean."""
     x, middle = _numbers(drawn["x"]) / x_unit, _numbers(drawn["mean"]) / y_unit
     if drawn["together"] > 1:
         low, high = _numbers(drawn["low"]) / y_unit, _numbers(drawn["high"]) / y_unit
-        axes.fill_between(x, low, high, color=colour, alpha=fill, lw=0.4, zorder=2, label=None if mean else label)
+        axes.fill_between(x, low, high, color=colour, alpha=fill, lw=0.4, zorder=2,
+                          label=None if mean else label)
     if drawn["together"] <= 1 or mean:
         axes.plot(x, middle, ls=line, color=colour, lw=width, label=label, zorder=3)
 
@@ -53,7 +55,8 @@ def _length_axis(axes: Any, drawn: Data, metres: float) -> float:
 def _draw_heights(axes: Any, drawn: Data, length: float, title: str, line: Data | None = None,
                   line_is: str | None = None) -> tuple[str, float]:
     one = _length_axis(axes, drawn, length)
-    unit, high = scale("m", *(_numbers(drawn[key]) for key in ("mean", "low", "high") if key in drawn))
+    unit, high = scale("m",
+                       *(_numbers(drawn[key]) for key in ("mean", "low", "high") if key in drawn))
     _draw(axes, drawn, BLUE, one, high, mean=False, fill=0.8, label="profile")
     if line:
         _draw(axes, line, RUST, one, high, line="--", width=1.6, mean=True, fill=0, label=line_is)
@@ -67,7 +70,8 @@ def _draw_heights(axes: Any, drawn: Data, length: float, title: str, line: Data 
 
 def _roughness_title(data: Data) -> str:
     n = data["sampling_lengths"]
-    lengths = f"{n} sampling length{'s' if n != 1 else ''} of {quantity(data['sampling_length'], 'm')}"
+    lengths = (f"{n} sampling length{'s' if n != 1 else ''} of "
+               f"{quantity(data['sampling_length'], 'm')}")
     if data["filtered_before"]:
         return f"Roughness, filtered before: the first {lengths}"
     if data["filtered"]:
@@ -81,14 +85,16 @@ def _draw_distribution(axes: Any, data: Data, unit: str, one: float) -> None:
     heights = data["heights"]
     if "empty" in heights:
         axes.set_title(title)
-        axes.text(0.5, 0.5, heights["empty"], transform=axes.transAxes, ha="center", va="center", color=GREY)
+        axes.text(0.5, 0.5, heights["empty"], transform=axes.transAxes, ha="center",
+                  va="center", color=GREY)
         axes.set_xticks([])
         return
     edges, shares = _numbers(heights["edges"]) / one, 100 * _numbers(heights["shares"])
     axes.stairs(shares, edges, orientation="horizontal", fill=True, color=SKY, ec=BLUE, lw=0.8)
     rms = _number(heights["rms"]) / one
     z = np.linspace(edges[0], edges[-1], 200)
-    normal = 100 * (edges[1] - edges[0]) / (rms * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rms) ** 2)
+    normal = 100 * (edges[1]
+                    - edges[0]) / (rms * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rms) ** 2)
     axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, as wide")
     axes.set_xlim(0, 1.12 * max(shares.max(), normal.max()))
     axes.set_xlabel(f"share per {edges[1] - edges[0]:.2g} {unit} [%]")
@@ -117,7 +123,8 @@ def _write_parameters(axes: Any, data: Data) -> None:
 
 
 def _facts(data: Data) -> str:
-    found = [f"{data['nodes']} points, {quantity(data['spacing'], 'm')} apart: {quantity(data['length'], 'm', 4)}"]
+    found = [f"{data['nodes']} points, {quantity(data['spacing'], 'm')} apart: "
+             f"{quantity(data['length'], 'm', 4)}"]
     if data["missing"]:
         filled = " and filled by straight lines" if "parameters" in data else ""
         found.append(f"{data['missing']} of them missing{filled}")
@@ -127,17 +134,20 @@ def _facts(data: Data) -> str:
 def picture(data: Data) -> Picture:
     """As measured, above; below, what is left of it, with its heights and parameters."""
     with matplotlib.rc_context(style.RC):
-        figure, body = style.page(11, 7, [(literal(f"profile  \u2013  {data['file']}"), 13, "bold", BLACK),
-                                          (_facts(data), 9.5, "normal", BLACK)])
+        figure, body = style.page(11, 7,
+                                  [(literal(f"profile  \u2013  {data['file']}"), 13, "bold", BLACK),
+                                   (_facts(data), 9.5, "normal", BLACK)])
         upper, lower = body.subfigures(2, 1)
-        _draw_heights(upper.subplots(), data["profile"], data["length"], "As measured, from its mean",
+        _draw_heights(upper.subplots(), data["profile"], data["length"],
+                      "As measured, from its mean",
                       data.get("line"), data.get("line_is"))
         if "parameters" not in data:
             style.say_empty(lower.subplots(), f"{data['missing']} {NO_PARAMETERS}", "Roughness")
             return figure
         panels = lower.subplots(1, 3, width_ratios=[3, 1.1, 0.75])
         panels[1].sharey(panels[0])
-        unit, one = _draw_heights(panels[0], data["roughness"], data["length"], _roughness_title(data))
+        unit, one = _draw_heights(panels[0], data["roughness"], data["length"],
+                                  _roughness_title(data))
         _draw_distribution(panels[1], data, unit, one)
         panels[1].tick_params(labelleft=False)
         _write_parameters(panels[2], data)

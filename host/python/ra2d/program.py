@@ -60,7 +60,8 @@ def find() -> pathlib.Path:
 @functools.lru_cache
 def _require_version(path: pathlib.Path) -> None:
     try:
-        said = subprocess.run([path, "--version"], capture_output=True, encoding="utf-8", errors="replace").stdout
+        said = subprocess.run([path, "--version"], capture_output=True, encoding="utf-8",
+                              errors="replace").stdout
     except OSError as fault:
         raise ProgramError(f"{path} does not start: {fault.strerror}. {CURE}") from fault
     found = re.match(r"ra2d (\d+)\.(\d+)\.(\d+)", said)
@@ -68,7 +69,8 @@ def _require_version(path: pathlib.Path) -> None:
     if not found:
         raise ProgramError(f"{path} does not say a version of ra2d: {said.strip()[:80]!r}. {CURE}")
     if tuple(map(int, found.groups())) < OLDEST:
-        raise ProgramError(f"{path} is {said.split()[1]}, this package needs {oldest} or later: {CURE}")
+        raise ProgramError(
+            f"{path} is {said.split()[1]}, this package needs {oldest} or later: {CURE}")
 
 
 def _messages(text: str) -> list[str]:
@@ -145,7 +147,8 @@ def _status(child: subprocess.Popen[bytes]) -> int:
     return child.returncode if child.returncode >= 0 else 128 - child.returncode
 
 
-def _watch(screen: int, child: subprocess.Popen[bytes], show: Callable[[str], None]) -> tuple[list[str], bool]:
+def _watch(screen: int, child: subprocess.Popen[bytes],
+           show: Callable[[str], None]) -> tuple[list[str], bool]:
     """Reads until the program has ended: its messages, and whether there was an interrupt."""
     said, rest, interrupted = "", b"", False
     try:

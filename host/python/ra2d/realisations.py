@@ -99,7 +99,8 @@ def _smooth_part(heights: Heights) -> Heights:
     return smooth
 
 
-def _with_phases(heights: Heights, taken_off: Heights, random: npt.NDArray[np.complex128]) -> tuple[Heights, float]:
+def _with_phases(heights: Heights, taken_off: Heights,
+                 random: npt.NDArray[np.complex128]) -> tuple[Heights, float]:
     """The surrogate that begins with these phases."""
     wanted = heights - taken_off
     middle = float(wanted.mean())
@@ -153,9 +154,11 @@ def offsets(trace: float, first: float, width: float) -> list[float]:
 
 def _trace_length(face: Surface, spacing: float) -> float:
     """Length of the whole measured trace after its filter [m], in whole spacings."""
-    words = [str(word) for name in MEASURED if name in face for word in ("--" + name.replace("_", "-"), face[name])]
+    words = [str(word) for name in MEASURED if name in face
+             for word in ("--" + name.replace("_", "-"), face[name])]
     found = program.ask("surface", "measure", face["path"], *words, "--filter", "none")
-    dropped = face.get("cutoff", 2.5e-3) if face.get("filter") == "gaussian" else 0.0  # half at each end
+    # half at each end
+    dropped = face.get("cutoff", 2.5e-3) if face.get("filter") == "gaussian" else 0.0
     return float(math.floor((found["length"] - dropped) / spacing * (1 + 1e-12))) * spacing
 
 
@@ -195,10 +198,12 @@ class _Measured:
         """The face as it is and `count` - 1 others, each with its file."""
         found = [self._written(AS_MEASURED, heights, folder)]
         trace = _whole_trace(self.face, self.spacing)
-        for shift in (offsets((trace.size - 1) * self.spacing, self.first, self.width) if trace is not None else []):
+        for shift in (offsets((trace.size - 1) * self.spacing, self.first, self.width)
+                      if trace is not None else []):
             if len(found) < count and trace is not None:
                 name = f"offset {1e3 * shift:.6g} mm"
-                found.append(self._written(name, _moved(trace, round(shift / self.spacing), heights.size), folder))
+                found.append(self._written(name, _moved(trace, round(shift / self.spacing),
+                                                        heights.size), folder))
         if len(found) < count:
             found.append(self._written("mirror image", heights[::-1], folder))
         for number in range(1, count - len(found) + 1):
@@ -206,11 +211,13 @@ class _Measured:
             found.append(self._written(f"surrogate {number}", made, folder, error))
         return found
 
-    def _written(self, kind: str, heights: Heights, folder: pathlib.Path, error: float = 0.0) -> Face:
+    def _written(self, kind: str, heights: Heights, folder: pathlib.Path,
+                 error: float = 0.0) -> Face:
         name = f"{self.body}-{kind.replace(' ', '-').replace('.', '_')}.csv"
         if (heights.size - 1) * self.spacing < self.length:  # the beam's end lies between two nodes
             heights = np.append(heights, heights[-1])
-        return Face(kind, f"{self.body}.surface.path", array(heights, self.spacing, folder / name)["path"], error)
+        return Face(kind, f"{self.body}.surface.path",
+                    array(heights, self.spacing, folder / name)["path"], error)
 
 
 @dataclasses.dataclass
@@ -233,11 +240,14 @@ class _MeasuredMap:
             by = [1e3 * step * apart for step, apart in zip(steps, self.spacings)]
             moved = np.roll(self.heights, [-step for step in steps], (0, 1))
             found.append(self._written(f"offset {by[1]:.6g} and {by[0]:.6g} mm", moved, folder))
-        for name, axes in (("mirror image", (1,)), ("mirror image across", (0,)), ("turned", (0, 1))):
+        for name, axes in (("mirror image", (1,)), ("mirror image across", (0,)),
+                           ("turned", (0, 1))):
             if len(found) == count:
                 return found
-            back = [2 * self.first[axis] + self.size[axis] - self.heights.shape[axis] for axis in axes]
-            found.append(self._written(name, np.roll(np.flip(self.heights, axes), back, axes), folder))
+            back = [2 * self.first[axis] + self.size[axis] - self.heights.shape[axis]
+                    for axis in axes]
+            found.append(self._written(name,
+                                       np.roll(np.flip(self.heights, axes), back, axes), folder))
         for number in range(1, count - len(found) + 1):
             made, error = map_surrogate(self.heights, seed=2 * number + BODIES.index(self.body))
             found.append(self._written(f"surrogate {number}", made, folder, error))
@@ -249,18 +259,24 @@ class _MeasuredMap:
             return []
         places = [range(-(begin // part), (whole - begin) // part) for begin, part, whole in
                   zip(self.first, self.size, self.heights.shape)]
-        found = [(i * self.size[0], j * self.size[1]) for i in places[0] for j in places[1] if (i, j) != (0, 0)]
-        return sorted(found, key=lambda steps: (abs(steps[0]) / self.size[0] + abs(steps[1]) / self.size[1], steps))
+        found = [(i * self.size[0], j * self.size[1]) for i in places[0] for j in places[1]
+                 if (i, j) != (0, 0)]
+        return sorted(found,
+                      key=lambda steps: (abs(steps[0]) / self.size[0]
+                                         + abs(steps[1]) / self.size[1], steps))
 
-    def _written(self, kind: str, heights: Heights, folder: pathlib.Path, error: float = 0.0) -> Face:
+    def _written(self, kind: str, heights: Heights, folder: pathlib.Path,
+                 error: float = 0.0) -> Face:
         name = f"{self.body}-{kind.replace(' ', '-').replace('.', '_')}.npy"
         path = array(heights, self.spacings[1], folder / name, spacing_y=self.spacings[0])["path"]
         return Face(kind, f"{self.body}.surface.path", path, error)
 
     def words(self, path: str) -> dict[str, Any]:
         """The face that is kept in a file of this map's size."""
-        kept = {name: self.face[name] for name in ("offset_x", "offset_y", "short") if name in self.face}
-        return {"kind": "file", "path": path, "spacing": self.spacings[1], "spacing_y": self.spacings[0], "z_unit": "m",
+        kept = {name: self.face[name] for name in ("offset_x", "offset_y", "short")
+                if name in self.face}
+        return {"kind": "file", "path": path, "spacing": self.spacings[1],
+                "spacing_y": self.spacings[0], "z_unit": "m",
                 **kept}
 
 
@@ -268,7 +284,8 @@ def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
     scene, slider = complete["scene"], complete["slider"]
     face = Surface(complete[body]["surface"])
     along, across = float(scene["spacing"]), float(scene["spacing_y"])
-    words = [str(word) for name in ("spacing", "spacing_y", "z_unit", "decimal", "fill", "form") if name in face
+    words = [str(word) for name in ("spacing", "spacing_y", "z_unit", "decimal", "fill", "form")
+             if name in face
              for word in ("--" + name.replace("_", "-"), face[name])]
     with program.scratch() as folder:
         program.call("surface", "map", face["path"], *words, "-o", folder / "map.npy")
@@ -280,7 +297,8 @@ def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
     first = (round((side - float(face.get("offset_y", side))) / across),
              math.floor((begins - float(face.get("offset_x", 0.0))) / along + 1e-9))
     size = (round(float(slider["width"]) / across),
-            round(float(slider["length"]) / along) + 1 + (math.ceil(travel / along) + 1 if body == "resonator" else 0))
+            round(float(slider["length"]) / along) + 1 + (math.ceil(travel / along) + 1
+                                                          if body == "resonator" else 0))
     return _MeasuredMap(body, face, heights, (across, along), first, size)
 
 
@@ -293,7 +311,8 @@ def is_measured(face: Mapping[str, Any]) -> bool:
 
 
 def has_measured_map(complete: Mapping[str, Any]) -> bool:
-    return complete["scene"].get("kind") == "areal" and any(is_measured(complete[body].get("surface", {}))
+    return complete["scene"].get("kind") == "areal" and any(
+        is_measured(complete[body].get("surface", {}))
                                                             for body in BODIES)
 
 
@@ -302,8 +321,10 @@ def _measured(complete: Mapping[str, Any], body: str) -> _Measured:
     face = Surface(complete[body]["surface"])
     slider = float(complete["slider"]["length"])
     first = float(section["start"]) if body == "resonator" else 0.0
-    width = slider + (float(section["speed"]) * float(section["duration"]) if body == "resonator" else 0.0)
-    return _Measured(body, face, float(complete[body]["length"]), float(section["spacing"]) / 2, first, width)
+    width = slider + (float(section["speed"]) * float(section["duration"])
+                      if body == "resonator" else 0.0)
+    return _Measured(body, face, float(complete[body]["length"]), float(section["spacing"]) / 2,
+                     first, width)
 
 
 def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathlib.Path
@@ -335,9 +356,13 @@ def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathl
             what = what.change({f"{body}.surface": {"kind": "file", "path": faces[0].value}})
             by_body.append(faces)
     if not by_body:
-        raise RequestError("chance is seen in runs of other faces, and neither face of this scene is random, or "
-                           "measured and rough. Describe one by its roughness, as {'slider.surface': "
-                           "ra2d.surface.gaussian(rq=..., rsm=..., seed=1)}, or take a measured one. Or let the slider "
-                           "start elsewhere: ra2d.study(scene, {'start': [0.05, 0.06, 0.07]}) shows the scatter over "
+        raise RequestError(
+            "chance is seen in runs of other faces, and neither face of this scene is random, or "
+                           "measured and rough. Describe one by its roughness, as "
+                           "{'slider.surface': "
+                           "ra2d.surface.gaussian(rq=..., rsm=..., seed=1)}, or take a measured "
+                           "one. Or let the slider "
+                           "start elsewhere: ra2d.study(scene, {'start': [0.05, 0.06, 0.07]}) "
+                           "shows the scatter over "
                            "parts of one face")
     return what, [list(faces) for faces in zip(*by_body)]

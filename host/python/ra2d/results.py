@@ -38,9 +38,12 @@ _PROBES = {**_SAMPLED, "position": ("position",), "displacement": ("time", "posi
            "velocity": ("time", "position")}
 _AREAL_PROBES = {**_SAMPLED, "probe": ("probe",), "position": ("probe",), "y": ("probe",),
                  "displacement": ("time", "probe"), "velocity": ("time", "probe")}
-_MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "y": ("y",), "frequency": ("mode",),
-          "mean_square": ("mode",), "mode_x": ("mode",), "mode_y": ("mode",), "shape": ("mode", "position"),
-          "shape_x": ("mode", "position"), "shape_y": ("mode", "y"), "displacement": ("time", "mode"),
+_MODES = {**_SAMPLED, "mode": ("mode",), "position": ("position",), "y": ("y",),
+          "frequency": ("mode",),
+          "mean_square": ("mode",), "mode_x": ("mode",), "mode_y": ("mode",),
+          "shape": ("mode", "position"),
+          "shape_x": ("mode", "position"), "shape_y": ("mode", "y"),
+          "displacement": ("time", "mode"),
           "velocity": ("time", "mode")}
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
 
@@ -67,8 +70,11 @@ def _require_room(times: int, places: int) -> None:
     """A field that does not fit into half of the memory is refused before anything is read."""
     room = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     if 8 * times * places > room:
-        raise RequestError(f"a field at {times} times and {places} places takes {8e-9 * times * places:.3g} GB, more "
-                           f"than half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, as slice(0, 0.1)")
+        raise RequestError(
+            f"a field at {times} times and {places} places takes {8e-9 * times * places:.3g} GB, "
+            "more "
+                           f"than half of the memory, {room / 1e9:.3g} GB: ask for a shorter time, "
+                           "as slice(0, 0.1)")
 
 
 def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDArray[np.float64]:
@@ -102,12 +108,15 @@ class Result:
         if self.attrs.get("creator") != "ra2d" or "steps" not in self.attrs:
             raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
         if self.attrs.get("format") not in FORMATS:
-            raise FileError(f"{str(path)!r} has format {self.attrs.get('format')}, this package reads "
-                            f"{', '.join(map(str, FORMATS))}: take the package that came with the program")
+            raise FileError(f"{str(path)!r} has format {self.attrs.get('format')}, this package "
+                            "reads "
+                            f"{', '.join(map(str, FORMATS))}: take the package that came with the "
+                            "program")
         try:
             self._scene = toml.parse(str(self.attrs["scene"]))
             self.title = str(self._scene["scene"].get("name", self.path.stem))  # the scene's name
-            self.complete = bool(self.attrs["complete"])  # False: cut short; attrs["ended"] says why
+            # False: cut short; attrs["ended"] says why
+            self.complete = bool(self.attrs["complete"])
         except (KeyError, TypeError, RequestError) as fault:
             raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
@@ -116,8 +125,10 @@ class Result:
     # ---- numbers
     # ----------------------------------------------------------------------------------
 
-    def analysis(self, *, start: float | None = None, stop: float | None = None, resolution: float | None = None,
-                 segment: int | None = None, a_weighting: bool = False, at: Sequence[Sequence[float]] = (),
+    def analysis(self, *, start: float | None = None, stop: float | None = None,
+                 resolution: float | None = None,
+                 segment: int | None = None, a_weighting: bool = False,
+                 at: Sequence[Sequence[float]] = (),
                  power: bool = False) -> dict[str, Any]:
         """All that `ra2d analyze --json` says (docs/analysis.md), in SI units; None for what does
         not exist. Asked once for each set of options, and kept.
@@ -133,8 +144,10 @@ class Result:
         >>> 50 < heard[0]["lpa"] < 80
         True
         """
-        options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution, "--segment": segment,
-                                         "--a-weighting": bool(a_weighting), "--power": bool(power)}))
+        options = tuple(program.options({"--from": start, "--to": stop, "--resolution": resolution,
+                                         "--segment": segment,
+                                         "--a-weighting": bool(a_weighting),
+                                         "--power": bool(power)}))
         options += _places(at) if at else self._hears
         self._file.require_unchanged()
         if options not in self._analyses:
@@ -154,7 +167,8 @@ class Result:
         if not at:
             raise RequestError("at: expected one microphone or more, each (x, y, z) in m")
         hearing = copy.copy(self)
-        hearing._hears = _places(at) + tuple(program.options({"--temperature": temperature, "--pressure": pressure}))
+        hearing._hears = _places(at) + tuple(program.options({"--temperature": temperature,
+                                                              "--pressure": pressure}))
         return hearing
 
     def _air(self) -> tuple[str, ...]:
@@ -211,23 +225,28 @@ class Result:
         """
         found = self.analysis(**options)
         s = found["spectrum"]
-        velocity, force = {"units": "m2 s-2 Hz-1"}, {"units": "N2 Hz-1", "long_name": "density of the contact force"}
+        velocity, force = {"units": "m2 s-2 Hz-1"}, {"units": "N2 Hz-1",
+                                                     "long_name": "density of the contact force"}
         lines = len(s["frequency"])
         along, places = self._probe_places(found["probes"])
         slider_along, slider_places = self._probe_places(found["slider_probes"], "slider")
         return xr.Dataset(
             {"density": ("frequency", np.array(s["psd_mean"], dtype=float),
                          {**velocity, "long_name": "density of the resonator's velocity"}),
-             "density_probe": ((along, "frequency"), _rows(s["psd_probe"], len(found["probes"]), lines),
+             "density_probe": ((along, "frequency"),
+                               _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
              "density_slider_probe": ((slider_along, "frequency"),
                                       _rows(s["psd_slider_probe"], len(found["slider_probes"]),
                                             lines),
-                                      {**velocity, "long_name": "density of the velocity at the slider's probes"}),
+                                      {**velocity,
+                                       "long_name":
+                                       "density of the velocity at the slider's probes"}),
              "density_force": ("frequency", s["psd_force"], force)},
             {"frequency": ("frequency", s["frequency"], {"units": "Hz", "long_name": "frequency"}),
              **places, **slider_places},
-            {"resolution": s["resolution"], "segments": s["segments"], "low": s["confidence"]["low"],
+            {"resolution": s["resolution"], "segments": s["segments"],
+             "low": s["confidence"]["low"],
              "high": s["confidence"]["high"]})
 
     def bands(self, **options: Any) -> xr.Dataset:
@@ -256,8 +275,10 @@ class Result:
             data["level_a"] = ("frequency", np.array(b["level_a"], dtype=float),
                                {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
         return xr.Dataset(
-            data, {"frequency": ("frequency", b["centre"], {"units": "Hz", "long_name": "midband frequency"}),
-                   "nominal": ("frequency", b["nominal"]), **places},
+            data,
+            {"frequency": ("frequency", b["centre"],
+                           {"units": "Hz", "long_name": "midband frequency"}),
+             "nominal": ("frequency", b["nominal"]), **places},
             {"last_mode": b["last_mode"]})
 
     def _probe_places(self, places: list[Any], body: str = "") -> tuple[str, dict[str, Any]]:
@@ -270,7 +291,8 @@ class Result:
         x, y = zip(*places) if places else ((), ())
         return probe, {probe: (probe, np.arange(1, len(places) + 1)),
                        f"{prefix}position": (probe, np.array(x, dtype=float), along),
-                       f"{prefix}y": (probe, np.array(y, dtype=float), {"units": "m", "long_name": f"place across the {on}"})}
+                       f"{prefix}y": (probe, np.array(y, dtype=float),
+                                      {"units": "m", "long_name": f"place across the {on}"})}
 
     @property
     def shocks(self) -> pd.DataFrame:
@@ -285,7 +307,8 @@ class Result:
             group = file["shocks"]
             names = [*_SHOCKS, *(["y"] if self.is_areal else [])]
             table = pd.DataFrame({name: group[name][()] for name in names},
-                                 index=pd.Index(group["shock" if "shock" in group else "serial"][()].astype(np.int64),
+                                 index=pd.Index(group["shock" if "shock" in group
+                                                      else "serial"][()].astype(np.int64),
                                                 name="shock"))
             table.attrs["units"] = {name: group[name].attrs["units"] for name in names}
         return table
@@ -385,7 +408,9 @@ class Result:
         """
         modes = self.modes(body)
         if _one_of("what", what, MOTIONS) not in modes:
-            raise RequestError(f"{str(self.path)!r} has no motion of the modes, of which a field is made: its scene has "
+            raise RequestError(
+                f"{str(self.path)!r} has no motion of the modes, of which a field is made: its "
+                "scene has "
                                "output.modes = \"none\"")
         series = modes[what]
         if not isinstance(time, slice):
@@ -393,13 +418,16 @@ class Result:
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
         across = modes.sizes["y"] if self.is_areal else 1
         _require_room(math.prod(chosen.sizes[name] for name in chosen.dims if name != "mode"),
-                      across * max(modes.sizes["position"], modes.sizes["mode"]) if self.is_areal else modes.sizes["position"])
+                      across * max(modes.sizes["position"], modes.sizes["mode"]) if self.is_areal
+                      else modes.sizes["position"])
         amplitude = chosen.load()
         if self.is_areal:
-            found: xr.DataArray = (amplitude * modes["shape_y"].load()).dot(modes["shape_x"].load(), "mode")
+            found: xr.DataArray = (amplitude * modes["shape_y"].load()).dot(
+                modes["shape_x"].load(), "mode")
         else:
             found = amplitude.dot(modes["shape"].load())
-        found.attrs = {"units": "m" if what == "displacement" else "m s-1", "long_name": f"{what} of the {body}"}
+        found.attrs = {"units": "m" if what == "displacement" else "m s-1",
+                       "long_name": f"{what} of the {body}"}
         return found.rename(what)
 
     def profile(self, body: Body = "resonator") -> xr.DataArray:
@@ -409,7 +437,8 @@ class Result:
         >>> getfixture("result").profile("slider").sizes["position"]
         2501
         """
-        dims = {"position": ("position",), "y": ("y",), "height": ("y", "position") if self.is_areal else ("position",)}
+        dims = {"position": ("position",), "y": ("y",), "height": ("y", "position") if self.is_areal
+                else ("position",)}
         return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
 
     def height_hash(self, body: Body = "resonator") -> str:
@@ -443,7 +472,8 @@ class Result:
         """
         path = self.path.with_suffix(f".zoom-{number}{self.path.suffix}")
         if not path.exists():
-            raise FileError(f"there is no window {number} of this run, {str(path)!r}: 'ra2d run --zoom' makes it")
+            raise FileError(f"there is no window {number} of this run, {str(path)!r}: 'ra2d run "
+                            "--zoom' makes it")
         return Result(path)
 
     # ---- looking and listening
@@ -469,7 +499,8 @@ class Result:
 
         return plots.result(self, what, start=start, stop=stop, shock=shock, time=time)
 
-    def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1, full_scale: float | None = None,
+    def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1,
+               full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,
                stop: float | None = None, at: Sequence[Sequence[float]] = ()) -> Sound:
         """The velocity of a probe (from 1) as sound, which a notebook plays; with `at` the sound
@@ -488,10 +519,14 @@ class Result:
 
         if len(at):
             if probe != 1 or body != "resonator":
-                raise RequestError("probe and body are of a velocity; with at the sound is a pressure: give one of them")
-            return of_microphones(self, _places(at) + self._air(), slow=slow, rate=rate, full_scale=full_scale, normalize=normalize,
+                raise RequestError(
+                    "probe and body are of a velocity; with at the sound is a pressure: give one "
+                    "of them")
+            return of_microphones(self, _places(at) + self._air(), slow=slow, rate=rate,
+                                  full_scale=full_scale, normalize=normalize,
                                   start=start, stop=stop)
-        return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate, full_scale=full_scale,
+        return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate,
+                        full_scale=full_scale,
                         normalize=normalize, start=start, stop=stop)
 
     def report(self, path: str | os.PathLike[str] | None = None) -> pathlib.Path:
@@ -555,12 +590,14 @@ class Result:
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f", cut short: {self.attrs.get('ended')}"
-        return f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, {self._headline()}{cut}>"
+        return (f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, "
+                f"{self._headline()}{cut}>")
 
     def _repr_html_(self) -> str:
         left = "<td style='text-align:left'>"
         figures = "".join(f"<tr>{left}{html.escape(of.attrs.get('long_name', str(name)))}</td>"
-                          f"<td>{float(of):.5g}</td>{left}{html.escape(of.attrs.get('units', ''))}</td></tr>"
+                          f"<td>{float(of):.5g}</td>"
+                          f"{left}{html.escape(of.attrs.get('units', ''))}</td></tr>"
                           for name, of in self.summary.items())
         return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{figures}</table>"
 

@@ -22,11 +22,13 @@ def output_name(what: Scene) -> str:
     words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
     if len(name.encode(errors="replace")) > LONGEST_NAME:
-        name = f"{what.title[:24]}-{hashlib.sha256(' '.join(what.options()).encode()).hexdigest()[:12]}"
+        key = hashlib.sha256(" ".join(what.options()).encode()).hexdigest()
+        name = f"{what.title[:24]}-{key[:12]}"
     return f"{name}.h5"
 
 
-def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Mapping[str, Any] | None = None, /, *,
+def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
+        changes: Mapping[str, Any] | None = None, /, *,
         output: str | os.PathLike[str] | None = None, fresh: bool = False, force: bool = False,
         checkpoint: float = 10, max_wall: float | str | None = None, device: int | None = None,
         show: bool = True, **short: Any) -> Result:
@@ -51,7 +53,8 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, changes: Map
     """
     what = scene(source).change(changes, **short)
     path = pathlib.Path(output) if output else pathlib.Path(output_name(what))
-    options = program.options({"--fresh": bool(fresh), "--force": bool(force), "--checkpoint": checkpoint,
+    options = program.options({"--fresh": bool(fresh), "--force": bool(force),
+                               "--checkpoint": checkpoint,
                                "--max-wall": max_wall, "--device": device})
     with program.scratch() as folder, progress.shown(show) as shown:
         program.follow(["run", what.file(folder), *what.options(), "-o", path, *options], shown)

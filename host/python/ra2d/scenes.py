@@ -17,9 +17,12 @@ from typing import Any
 from . import files, program, toml
 from .errors import Notice, RequestError
 
-_BODY = ("support length thickness width young density poisson damping max_frequency modes surface").split()
-_FACE = ("kind peaks path x_unit z_unit spacing spacing_y offset_x offset_y decimal row column fill form cutoff_s filter "
-         "cutoff short rq rsm rsm_y correlation_length correlation hurst longest shortest skewness kurtosis exact seed").split()
+_BODY = ("support length thickness width young density poisson damping max_frequency modes "
+         "surface").split()
+_FACE = ("kind peaks path x_unit z_unit spacing spacing_y offset_x offset_y decimal row column "
+         "fill form cutoff_s filter "
+         "cutoff short rq rsm rsm_y correlation_length correlation hurst longest shortest skewness "
+         "kurtosis exact seed").split()
 # The keys of docs/scene.md, which the program makes from its own table. A test holds both together.
 KEYS: dict[str, list[str]] = {
     "scene": "name kind duration speed start gap spacing spacing_y side faces initial".split(),
@@ -27,16 +30,20 @@ KEYS: dict[str, list[str]] = {
     "slider": [*_BODY, "load"],
     "contact": "law stiffness".split(),
     "time": "scheme contact_force step tolerance nodes force".split(),
-    "output": "rate probes slider_probes microphones from window modes precision compression".split(),
+    "output":
+    "rate probes slider_probes microphones from window modes precision compression".split(),
     "air": "temperature pressure".split(),
     "resonator.surface": _FACE,
     "slider.surface": _FACE,
 }
 # Units by the name of a key, as docs/scene.md has them; a test holds both together.
 UNITS: dict[str, str] = {name: unit for unit, names in {
-    "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate", "Pa": "young pressure", "kg/m^3": "density",
+    "s": "duration step from window", "m/s": "speed", "Hz": "max_frequency rate",
+    "Pa": "young pressure", "kg/m^3": "density",
     "Pa/m": "stiffness", "N": "load force",
-    "m": "start gap spacing spacing_y side y offset_x offset_y rsm_y length thickness width cutoff_s cutoff rq rsm correlation_length longest shortest probes "
+    "m":
+    "start gap spacing spacing_y side y offset_x offset_y rsm_y length thickness width cutoff_s "
+    "cutoff rq rsm correlation_length longest shortest probes "
          "slider_probes"}.items() for name in names.split()}
 LONGEST_TITLE = 48  # characters of a name within the names of files
 
@@ -53,14 +60,17 @@ def full_key(name: str) -> str:
     if "." in name:
         return name
     for depth in (0, 1):  # sections before the tables within them
-        found = [f"{section}.{name}" for section, keys in KEYS.items() if section.count(".") == depth and name in keys]
+        found = [f"{section}.{name}" for section, keys in KEYS.items()
+                 if section.count(".") == depth and name in keys]
         if len(found) == 1:
             return found[0]
         if found:
-            raise RequestError(f"{name}: {' and '.join(found)} have this name: give the whole key, as "
+            raise RequestError(
+                f"{name}: {' and '.join(found)} have this name: give the whole key, as "
                                f"{{{found[-1]!r}: ...}}")
     near = difflib.get_close_matches(name, {key for keys in KEYS.values() for key in keys}, 1)
-    raise RequestError(f"{name}: no key of a scene has this name" + (f" (did you mean `{near[0]}`?)" if near else ""))
+    raise RequestError(f"{name}: no key of a scene has this name" + (f" (did you mean `{near[0]}`?)"
+                                                                     if near else ""))
 
 
 def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
@@ -109,7 +119,8 @@ class Scene:
     0.2
     """
 
-    def __init__(self, source: pathlib.Path | Mapping[str, Any], changes: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, source: pathlib.Path | Mapping[str, Any],
+                 changes: Mapping[str, Any] | None = None) -> None:
         self._source: pathlib.Path | dict[str, Any]
         self._source = source if isinstance(source, pathlib.Path) else copy.deepcopy(dict(source))
         self.changes = dict(changes or {})
@@ -142,7 +153,8 @@ class Scene:
         """
         given = full_keys(changes, short)
         replaced = tuple(f"{name}." for name in given)  # a whole table takes the place of its keys
-        kept = {name: value for name, value in self.changes.items() if not f"{name}.".startswith(replaced)}
+        kept = {name: value for name, value in self.changes.items()
+                if not f"{name}.".startswith(replaced)}
         return Scene(self._source, kept | given)
 
     def without(self, names: Collection[str]) -> Scene:
@@ -152,7 +164,8 @@ class Scene:
         >>> ra2d.scene("dang2012").change(speed=0.2, load=1.0).without(["scene.speed"]).changes
         {'slider.load': 1.0}
         """
-        return Scene(self._source, {name: value for name, value in self.changes.items() if name not in names})
+        return Scene(self._source,
+                     {name: value for name, value in self.changes.items() if name not in names})
 
     def text(self) -> str:
         """The scene as TOML, without the changes.
@@ -173,14 +186,16 @@ class Scene:
         >>> ra2d.scene("dang2012").content()["resonator"]["thickness"]     # m
         0.002
         """
-        content = toml.parse(self.text(), repr(str(self._source)) if isinstance(self._source, pathlib.Path) else "it")
+        content = toml.parse(self.text(), repr(str(self._source))
+                             if isinstance(self._source, pathlib.Path) else "it")
         for name, value in self.changes.items():
             *tables, last = name.split(".")
             inner = content
             for table in tables:
                 inner = inner.setdefault(table, {})
                 if not isinstance(inner, dict):
-                    raise RequestError(f"{name}: {table} is a value of the scene, and holds no keys")
+                    raise RequestError(
+                        f"{name}: {table} is a value of the scene, and holds no keys")
             inner[last] = value
         return content
 
@@ -191,7 +206,8 @@ class Scene:
         >>> ra2d.scene("dang2012").complete()["time"]["nodes"]
         'candidates'
         """
-        parts = itertools.takewhile(lambda part: part.startswith(("#", "[")), self.plan().split("\n\n"))
+        parts = itertools.takewhile(lambda part: part.startswith(("#", "[")),
+                                    self.plan().split("\n\n"))
         return toml.parse("\n\n".join(parts))
 
     def __getitem__(self, name: str) -> Any:
@@ -199,7 +215,8 @@ class Scene:
         value: Any = self.content()
         for part in path:
             if not isinstance(value, Mapping) or part not in value:
-                raise KeyError(f"{name}: the scene leaves it to its default, or has no such key: complete() holds all")
+                raise KeyError(f"{name}: the scene leaves it to its default, or has no such key: "
+                               "complete() holds all")
             value = value[part]
         if not _has_unit(value):
             return value
@@ -230,7 +247,8 @@ class Scene:
         >>> ra2d.scene("dang2012").change(speed=0.2).options()
         ['--set', 'scene.speed=0.2']
         """
-        return [word for name, value in self.changes.items() for word in ("--set", f"{name}={toml.value(value)}")]
+        return [word for name, value in self.changes.items()
+                for word in ("--set", f"{name}={toml.value(value)}")]
 
     def plan(self) -> str:
         """What the program would model, and why: modes, limits of stability, cost (`ra2d plan`).
@@ -249,7 +267,8 @@ class Scene:
     def _repr_html_(self) -> str:
         changed = "".join(f"{name} = {toml.value(value)}\n" for name, value in self.changes.items())
         return (f"<b>{html.escape(self.title)}</b><pre>{html.escape(changed)}</pre>"
-                f"<details><summary>the scene</summary><pre>{html.escape(self.text())}</pre></details>")
+                "<details><summary>the "
+                f"scene</summary><pre>{html.escape(self.text())}</pre></details>")
 
 
 def _folders() -> list[pathlib.Path]:
@@ -300,10 +319,12 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     if isinstance(source, Mapping):
         return Scene(_with_paths(source))
     if not isinstance(source, str | os.PathLike):
-        raise RequestError(f"a scene is a name, a file, a dict or a ra2d.Scene, not {type(source).__name__}")
+        raise RequestError(
+            f"a scene is a name, a file, a dict or a ra2d.Scene, not {type(source).__name__}")
     path = pathlib.Path(source)
     if "\n" in str(path):
-        raise RequestError("a scene is a name, a file, a dict or a ra2d.Scene: write the text to a file first")
+        raise RequestError(
+            "a scene is a name, a file, a dict or a ra2d.Scene: write the text to a file first")
     if path.is_file():
         return Scene(path.resolve())
     if path.suffix or len(path.parts) != 1:

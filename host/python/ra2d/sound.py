@@ -33,15 +33,18 @@ Encoding = Literal["wav-16", "wav-24", "wav-32", "wav-float", "flac-24"]
 
 RATES, MOST_SLOW = (8000, 384000), 1e4
 AUDIBLE = 20e3               # Hz, that the young hear
-PASSED, STOPPED = 0.91, 1.0  # of half the lower rate: kept below the first, taken off above the second
+# of half the lower rate: kept below the first, taken off above the second
+PASSED, STOPPED = 0.91, 1.0
 STOP_BAND = 180.0            # dB
 MOST_PHASES = 2000           # of a resampler whose rates are in the ratio of two whole numbers
-FINER = 8                    # times the old rate, between whose samples splines go, for other ratios
+# times the old rate, between whose samples splines go, for other ratios
+FINER = 8
 SPLINE_BLOCK, SPLINE_MARGIN = 1 << 16, 100  # samples
 LARGEST_RATIO = 1e6          # of rates: beyond, a sound is one sample or an endless line
 WAV_BYTES = 2**32 - 2**13    # that its header can count
 PRESSURE = "sound pressure"
-_UNITS = {"velocity": ("m/s", "m_per_s"), PRESSURE: ("Pa", "pa")}  # and the names of a scale and a peak
+# and the names of a scale and a peak
+_UNITS = {"velocity": ("m/s", "m_per_s"), PRESSURE: ("Pa", "pa")}
 _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
 
 
@@ -55,9 +58,11 @@ def _filter(up: int, ratio: Fraction) -> Array:
     from scipy.signal import firwin, kaiser_beta  # half a second, which pictures do without
 
     middle, width = (PASSED + STOPPED) / 2, (STOPPED - PASSED) * math.pi
-    half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)  # samples of the lower rate on either side
+    # samples of the lower rate on either side
+    half = math.ceil((STOP_BAND - 7.95) / (2.285 * width) / 2)
     lower = float(up / min(ratio, Fraction(1)))
-    taps: Array = firwin(2 * math.ceil(half * lower) + 1, middle / lower, window=("kaiser", kaiser_beta(STOP_BAND)))
+    taps: Array = firwin(2 * math.ceil(half * lower) + 1, middle / lower,
+                         window=("kaiser", kaiser_beta(STOP_BAND)))
     return taps
 
 
@@ -88,17 +93,22 @@ def resample(samples: npt.ArrayLike, old: float, new: float) -> Array:
 
     x = np.asarray(samples, dtype=float)
     if not (old <= LARGEST_RATIO * new and new <= LARGEST_RATIO * old):
-        raise RequestError(f"samples of {old:g} Hz cannot become a sound of {new:g} Hz: the rates differ by more than "
-                           f"a factor of {LARGEST_RATIO:g} (slow, rate, or output.rate of the scene)")
+        raise RequestError(
+            f"samples of {old:g} Hz cannot become a sound of {new:g} Hz: the rates differ by more "
+            "than "
+                           f"a factor of {LARGEST_RATIO:g} (slow, rate, or output.rate of the "
+                           "scene)")
     if old == new or not x.size:
         return x
     count = math.floor((x.size - 1) * (new / old) * (1 + 1e-15) + 1e-9) + 1
     ratio = Fraction(new / old).limit_denominator(MOST_PHASES)
     if ratio.numerator <= MOST_PHASES and abs(float(ratio) * old / new - 1) < 1e-14:
-        made: Array = resample_poly(x, ratio.numerator, ratio.denominator, window=_filter(ratio.numerator, ratio))
+        made: Array = resample_poly(x, ratio.numerator, ratio.denominator,
+                                    window=_filter(ratio.numerator, ratio))
         found: Array = np.pad(made, (0, max(0, count - made.size)))[:count]
         return found
-    finer = resample_poly(x, FINER, 1, window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
+    finer = resample_poly(x, FINER, 1,
+                          window=_filter(FINER, Fraction(new / old).limit_denominator(10**6)))
     return _between_samples(finer, np.arange(count) * (FINER * old / new))
 
 
@@ -136,7 +146,8 @@ class Sound:
     about: dict[str, Any]
     doubts: tuple[str, ...] = ()
 
-    def save(self, path: str | os.PathLike[str], bits: Literal[16, 24, 32, "float"] = 24) -> pathlib.Path:
+    def save(self, path: str | os.PathLike[str],
+             bits: Literal[16, 24, 32, "float"] = 24) -> pathlib.Path:
         """Writes WAV or FLAC, by the ending; FLAC has 24 bits. A WAV of 16, 24 or 32 bits clips
         what is beyond full scale, one of "float" holds it.
 
@@ -162,8 +173,10 @@ class Sound:
         bits = _BITS[encoding]
         steps = 2.0 ** (bits - 1)
         whole = np.clip(np.rint(self.samples * steps), -steps, steps - 1) * 2.0 ** (32 - bits)
-        with soundfile.SoundFile(out, "w", self.rate, self.samples.ndim, f"PCM_{bits}", format=encoding.split("-")[0].upper()) as file:
-            if title := "".join(c for c in self.about["title"] if c.isprintable()):  # an empty one is refused
+        with soundfile.SoundFile(out, "w", self.rate, self.samples.ndim, f"PCM_{bits}",
+                                 format=encoding.split("-")[0].upper()) as file:
+            # an empty one is refused
+            if title := "".join(c for c in self.about["title"] if c.isprintable()):
                 file.title = title
             file.comment = self._comment()
             file.software = f"ra2d {self.about['version']}"
@@ -200,13 +213,15 @@ class Sound:
         """
         a = self.about
         if a["quantity"] == PRESSURE:
-            return " and ".join(", ".join(f"{x:g}" for x in place) for place in a["microphones"]) + " m"
+            return " and ".join(", ".join(f"{x:g}" for x in place)
+                                for place in a["microphones"]) + " m"
         return f"{'slider ' if a['body'] == 'slider' else ''}probe {a['probe']} at {_at(a)} m"
 
     def _comment(self) -> str:
         a = self.about
         slower = f"; {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        return (f"{a['quantity']} {self._of()}{self.place()}, the value 1.0 is {self.full_scale():g} {self._unit()}; "
+        return (f"{a['quantity']} {self._of()}{self.place()}, the value 1.0 is "
+                f"{self.full_scale():g} {self._unit()}; "
                 f"{a['from']:g} s to {a['to']:g} s{slower}")
 
     def _of(self) -> str:
@@ -227,23 +242,30 @@ class Sound:
         velocity of probe 1 at 0.15 m, from 0 s to 0.1 s
         """
         a = self.about
-        lines = [("length", f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
+        lines = [("length",
+                  f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
                             f"{self.rate} Hz"),
                  ("full scale", f"1.0 in the file is {self.full_scale():g} {self._unit()}")]
         if (peak := self._peak()) > 0:
-            lines.append(("peak", f"{peak:.4g} {self._unit()}, {20 * math.log10(peak / self.full_scale()):.1f} dB of full "
+            lines.append(("peak",
+                          f"{peak:.4g} {self._unit()}, "
+                          f"{20 * math.log10(peak / self.full_scale()):.1f} dB of full "
                                   "scale"))
         lines += [("file", name), ("beside it", f"{name}.json")]
         lines.append(("left out", a["left_out"]) if a["quantity"] == PRESSURE else
-                     ("what it is", "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
+                     ("what it is",
+                      "a velocity, no sound pressure: --at X,Y,Z plays what a microphone hears"))
         slower = f", {a['slow']:g} times slower" if a["slow"] != 1 else ""
-        head = f"{a['quantity']} {self._of()}{self.place()}, from {a['from']:g} s to {a['to']:g} s{slower}\n"
+        head = (f"{a['quantity']} {self._of()}{self.place()}, from {a['from']:g} s to {a['to']:g} "
+                f"s{slower}\n")
         return head + "".join(f"  {what:<17}{text}\n" for what, text in lines)
 
     def __repr__(self) -> str:
         a = self.about
-        place = f"at {self.place()}" if a["quantity"] == PRESSURE else f"of the {a['body']} at {_at(a)} m"
-        return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale {self.full_scale():g} "
+        place = f"at {self.place()}" if a[
+            "quantity"] == PRESSURE else f"of the {a['body']} at {_at(a)} m"
+        return (f"<ra2d.Sound {place}, {len(self.samples) / self.rate:.3g} s; full scale "
+                f"{self.full_scale():g} "
                 f"{self._unit()}>")
 
     def _repr_html_(self) -> str:
@@ -286,12 +308,16 @@ def _choose_probe(result: Result, body: str, probe: int) -> Any:
     if not here.size:
         there = f" (there {'is' if others.size == 1 else 'are'} {others.size} of the " \
                 f"{'resonator' if slider else 'slider'}: {other[2]} 1)" if others.size else ""
-        raise RequestError(f"{result.path.name}: it has no {'slider ' if slider else ''}probe to listen to: name a "
-                           f"place on the {body} in the scene, as output.{mine[0]} = [{mine[1]}], and run it again"
+        raise RequestError(
+            f"{result.path.name}: it has no {'slider ' if slider else ''}probe to listen to: name "
+            "a "
+                           f"place on the {body} in the scene, as output.{mine[0]} = [{mine[1]}], "
+                           "and run it again"
                            f"{there}")
     if not 1 <= probe <= here.size:
         places = ", ".join(f"{place:g}" for place in here[:8]) + (", ..." if here.size > 8 else "")
-        raise RequestError(f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
+        raise RequestError(
+            f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
     velocity = (result.slider_probes if slider else result.probes).velocity
     return velocity.isel({velocity.dims[1]: probe - 1})
 
@@ -304,10 +330,13 @@ def _choose_stretch(result: Result, time: Array, start: float | None, stop: floa
     if stop is not None and not stop <= end * (1 + 1e-12) + 1e-6 * apart:
         raise RequestError(f"{result.path.name}: to {stop:g} s: the run ends at {end:g} s")
     first = int(np.searchsorted(time, begin - 1e-6 * apart))
-    beyond = int(np.searchsorted(time, (end if stop is None else stop) + 1e-6 * apart, side="right"))
+    beyond = int(np.searchsorted(time, (end if stop is None else stop) + 1e-6 * apart,
+                                 side="right"))
     if beyond - first < 2:
         found = {0: "is no sample", 1: "is one sample"}.get(beyond - first, "is nothing")
-        raise RequestError(f"{result.path.name}: from {begin:g} s to {end if stop is None else stop:g} s there {found} "
+        raise RequestError(
+            f"{result.path.name}: from {begin:g} s to {end if stop is None else stop:g} s there "
+            f"{found} "
                            "to listen to: expected a stretch of two samples or more")
     return slice(first, beyond)
 
@@ -322,34 +351,47 @@ def _doubt_rates(about: dict[str, Any], modes: Array) -> list[str]:
     heard = min(carried, PASSED * rate / 2 * about["slow"])
     highest = float(modes.max(initial=0))
     if above := _between(modes, carried, math.inf):
-        doubts.append(f"output.rate is too low: {above} of the {body}'s modes ring above {carried:g} Hz, half the rate "
-                      f"of the samples, the highest at {highest:.4g} Hz. They are heard at frequencies that are not "
+        doubts.append(f"output.rate is too low: {above} of the {body}'s modes ring above "
+                      f"{carried:g} Hz, half the rate "
+                      f"of the samples, the highest at {highest:.4g} Hz. They are heard at "
+                      "frequencies that are not "
                       f"theirs. Run with output.rate above {2 * highest:.3g}")
     elif carried < AUDIBLE:
-        doubts.append(f"output.rate is low: nothing above {carried:g} Hz, half the rate of the samples, can be in this "
-                      f"sound, and ears go to {AUDIBLE:g} Hz. Run with output.rate = {2 * AUDIBLE:g} or more")
+        doubts.append(f"output.rate is low: nothing above {carried:g} Hz, half the rate of the "
+                      "samples, can be in this "
+                      f"sound, and ears go to {AUDIBLE:g} Hz. Run with output.rate = "
+                      f"{2 * AUDIBLE:g} or more")
     if lost := _between(modes, heard, min(carried, AUDIBLE)):
-        doubts.append(f"--rate {rate} passes what is below {heard:.4g} Hz: {lost} of the {body}'s modes are left out. "
+        doubts.append(f"--rate {rate} passes what is below {heard:.4g} Hz: {lost} of the {body}'s "
+                      "modes are left out. "
                       "Take --rate 48000")
     return doubts
 
 
 def _doubt_scale(about: dict[str, Any], name: str) -> list[str]:
     unit, key = _UNITS[about["quantity"]]
-    peak, scale, beyond = about[f"peak_{key}"], about[f"full_scale_{key}"], about["beyond_full_scale"]
+    peak, scale, beyond = about[f"peak_{key}"], about[f"full_scale_{key}"], about[
+        "beyond_full_scale"]
     if not peak > 0 and about["quantity"] == PRESSURE:
-        return [f"silence: the resonator does not move from {about['from']:g} s to {about['to']:g} s"]
+        return [f"silence: the resonator does not move from {about['from']:g} s to {about['to']:g} "
+                "s"]
     if not peak > 0:
-        support = "; at a support there is nothing to hear" if about["position"] == 0 and about["body"] == "resonator" \
+        support = "; at a support there is nothing to hear" if about["position"] == 0 and about[
+            "body"] == "resonator" \
             else ""
-        return [f"silence: the {name} does not move from {about['from']:g} s to {about['to']:g} s{support}"]
+        return [f"silence: the {name} does not move from {about['from']:g} s to {about['to']:g} "
+                f"s{support}"]
     doubts = []
     if peak < 2.0**-23 * scale:
-        doubts.append(f"the peak, {peak:.4g} {unit}, is {peak / scale:.3g} of --full-scale {scale:g} {unit}: a file of 24 "
-                      "bits, which hold nothing below 1.2e-07, is silent, and one of floats is too soft to hear")
+        doubts.append(f"the peak, {peak:.4g} {unit}, is {peak / scale:.3g} of --full-scale "
+                      f"{scale:g} {unit}: a file of 24 "
+                      "bits, which hold nothing below 1.2e-07, is silent, and one of floats is too "
+                      "soft to hear")
     if beyond:
-        doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} {unit}, the peak is "
-                      f"{peak:.4g} {unit}: whole numbers clip them; in a WAV of floats they stand, and players clip them")
+        doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} "
+                      f"{unit}, the peak is "
+                      f"{peak:.4g} {unit}: whole numbers clip them; in a WAV of floats they stand, "
+                      "and players clip them")
     return doubts
 
 
@@ -360,8 +402,11 @@ def _full_scale(peak: float, wanted: float | None, normalize: bool, unit: str = 
     _require("full_scale", wanted, math.ulp(0.0), 1.7e308)
     share, limits = peak / wanted, np.finfo(np.float32)
     if peak > 0 and not limits.tiny <= share <= limits.max:
-        raise RequestError(f"--full-scale {wanted:g}: the peak is {peak:.4g} {unit}, {share:.3g} times that, and the "
-                           f"numbers of a sound file go from {limits.tiny:.3g} to {limits.max:.3g}: expected a "
+        raise RequestError(
+            f"--full-scale {wanted:g}: the peak is {peak:.4g} {unit}, {share:.3g} times that, and "
+            "the "
+                           f"numbers of a sound file go from {limits.tiny:.3g} to "
+                           f"{limits.max:.3g}: expected a "
                            f"{'pressure' if unit == 'Pa' else 'velocity'} near the peak")
     return wanted
 
@@ -371,7 +416,9 @@ def _require_room(count: int, source: float, rate: int, result: Result) -> None:
     frames = count * rate / source
     room = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 4
     if 32 * frames > room or 4 * frames > WAV_BYTES:
-        raise RequestError(f"{result.path.name}: the sound would last {frames / rate:.4g} s: take a part of the run "
+        raise RequestError(
+            f"{result.path.name}: the sound would last {frames / rate:.4g} s: take a part of the "
+            "run "
                            "with --from and --to")
 
 
@@ -379,11 +426,13 @@ def _origin(result: Result) -> dict[str, Any]:
     """What a sound says of the result and the program."""
     version, _, commit = program.call("--version").strip().partition(" ")[2].partition(" ")
     return {"source": result.path.name, "source_rate": result.rate, "title": result.title,
-            "complete": result.complete, "ended": str(result.attrs.get("ended", "")), "creator": "ra2d",
+            "complete": result.complete, "ended": str(result.attrs.get("ended", "")),
+            "creator": "ra2d",
             "version": version, "commit": commit.strip("()")}
 
 
-def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, slow: float = 1, rate: int = 48000,
+def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, slow: float = 1,
+                rate: int = 48000,
                 full_scale: float | None = None, normalize: bool = False) -> Sound:
     """The pressure [Pa] at one microphone or two as sound: a row of samples for each, at the
     result's rate. `heard_at` says where, when and in what air."""
@@ -393,16 +442,21 @@ def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, s
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize, "Pa")
     modes = result.modes("resonator").frequency.values
-    left_out = f"the slider's own sound; modes above {quantity(modes.max(), 'Hz')}, which the run has not"
-    about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "left_out": left_out, "full_scale_pa": scale,
-             "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()), "rate": int(rate),
+    left_out = (f"the slider's own sound; modes above {quantity(modes.max(), 'Hz')}, which the run "
+                "has not")
+    about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "left_out": left_out,
+             "full_scale_pa": scale,
+             "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
+             "rate": int(rate),
              "samples": len(heard), "slow": float(slow), **_origin(result)}
     doubts = _doubt_scale(about, "") + _doubt_rates(about, modes)
-    return Sound((heard[:, 0] if len(pressures) == 1 else heard) / scale, int(rate), about, tuple(doubts))
+    return Sound((heard[:, 0] if len(pressures) == 1 else heard) / scale, int(rate), about,
+                 tuple(doubts))
 
 
 def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, rate: int = 48000,
-                   full_scale: float | None = None, normalize: bool = False, start: float | None = None,
+                   full_scale: float | None = None, normalize: bool = False,
+                   start: float | None = None,
                    stop: float | None = None) -> Sound:
     """The pressure at microphones as sound, by `ra2d sound` with these options for their places."""
     from scipy.io import wavfile
@@ -410,16 +464,19 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as messages:
         warnings.simplefilter("always")
         made = pathlib.Path(folder) / "heard.wav"
-        words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale, "--normalize": bool(normalize),
+        words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale,
+                                 "--normalize": bool(normalize),
                                  "--from": start, "--to": stop})
         program.call("sound", result.path, *places, *words, "--bits", "float", "-o", made)
         about = json.loads(made.with_name("heard.wav.json").read_text("utf-8"))
         found, samples = wavfile.read(made)
     del about["file"]
-    return Sound(samples.astype(float), int(found), about, tuple(str(one.message) for one in messages))
+    return Sound(samples.astype(float), int(found), about,
+                 tuple(str(one.message) for one in messages))
 
 
-def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1, rate: int = 48000,
+def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1,
+             rate: int = 48000,
              full_scale: float | None = None, normalize: bool = False, start: float | None = None,
              stop: float | None = None) -> Sound:
     """The velocity of a probe as sound. `Result.listen` says what the options are."""
@@ -432,14 +489,18 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     _require_room(part.stop - part.start, source / slow, rate, result)
     values = velocity.isel(time=part).values
     if not np.isfinite(values).all():
-        raise FileError(f"{result.path.name}: the velocity of the probe has values that are no numbers. 'ra2d check' "
+        raise FileError(f"{result.path.name}: the velocity of the probe has values that are no "
+                        "numbers. 'ra2d check' "
                         "says what of the file is damaged")
     heard = resample(values, source / slow, rate)
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize)
-    about = {"body": body, "probe": probe, "position": float(velocity.position), "quantity": "velocity",
-             "full_scale_m_per_s": scale, "peak_m_per_s": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
-             "rate": int(rate), "samples": heard.size, "slow": float(slow), "from": float(time[part.start]),
+    about = {"body": body, "probe": probe, "position": float(velocity.position),
+             "quantity": "velocity",
+             "full_scale_m_per_s": scale, "peak_m_per_s": peak,
+             "beyond_full_scale": int((np.abs(heard) > scale).sum()),
+             "rate": int(rate), "samples": heard.size, "slow": float(slow),
+             "from": float(time[part.start]),
              "to": float(time[part.stop - 1]), **_origin(result)}
     if "y" in velocity.coords:
         about["y"] = float(velocity.y)

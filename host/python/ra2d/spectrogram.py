@@ -66,7 +66,8 @@ def densities(result: Result) -> tuple[Array, Array, Array, int]:
         mean = power.reshape(-1, per_column, power.shape[1]).mean(axis=1)
         found[:, first // per_column:last // per_column] = (mean * factor).T
     begin = float(modes.time[0])
-    middles = begin + (hop * (np.arange(count // per_column) * per_column + (per_column - 1) / 2) + length / 2) / rate
+    middles = begin + (hop * (np.arange(count // per_column) * per_column + (per_column - 1) / 2)
+                       + length / 2) / rate
     return middles, np.fft.rfftfreq(length, 1 / rate), found, length
 
 
@@ -74,7 +75,8 @@ def draw(figure: Any, axes: Any, result: Result) -> None:
     """Frequency over time; the colour is the level."""
     time, frequency, density, length = densities(result)
     if time.size < 2 or not density[1:].any():
-        style.say_empty(axes, f"the run is too short for a spectrogram: fewer than {4 * LEAST} samples"
+        style.say_empty(axes,
+                        f"the run is too short for a spectrogram: fewer than {4 * LEAST} samples"
                         if time.size < 2 else "the resonator is at rest: it did not vibrate", TITLE)
         return
     with np.errstate(divide="ignore"):
@@ -83,12 +85,14 @@ def draw(figure: Any, axes: Any, result: Result) -> None:
     levels = np.maximum(levels, high - 10 * DECADES)
     half = (time[1] - time[0]) / 2
     place = style.time_axis(axes, np.array([time[0] - half, time[-1] + half]),
-                            f"  (windows of {quantity(length / result.rate, 's')}, Hann; a line every "
+                            f"  (windows of {quantity(length / result.rate, 's')}, Hann; a line "
+                            "every "
                             f"{quantity(float(frequency[1]), 'Hz')})")
     edges = np.append(time - half, time[-1] + half)
     between = np.sqrt(frequency[1:-1] * frequency[2:])
     borders = np.concatenate([[frequency[1] ** 2 / between[0]], between, [frequency[-1]]])
-    colours = axes.pcolormesh(place(edges), borders, levels, cmap="viridis", vmin=high - 10 * DECADES, vmax=high,
+    colours = axes.pcolormesh(place(edges), borders, levels, cmap="viridis",
+                              vmin=high - 10 * DECADES, vmax=high,
                               rasterized=True)
     axes.grid(False)
     axes.set_yscale("log")
@@ -97,7 +101,8 @@ def draw(figure: Any, axes: Any, result: Result) -> None:
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: style.plain_number(value)))
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_ylabel("frequency [Hz]")
-    figure.colorbar(colours, ax=axes, label="PSD of velocity [dB re 1 (nm/s)\u00b2/Hz]", extend="min", pad=0.01)
+    figure.colorbar(colours, ax=axes, label="PSD of velocity [dB re 1 (nm/s)\u00b2/Hz]",
+                    extend="min", pad=0.01)
     tone = result.analysis()["mesh_tone"]
     if tone["in_spectrum"] and borders[0] < tone["frequency"] < borders[-1]:
         axes.axhline(tone["frequency"], color="white", lw=0.8, ls=(0, (2, 4)))

@@ -33,7 +33,9 @@ class _Dataset(BackendArray):
         self.shape, self.dtype = dataset.shape, np.dtype(dataset.dtype)
 
     def __getitem__(self, key: Any) -> Any:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
+        return indexing.explicit_indexing_adapter(key, self.shape,
+                                                  indexing.IndexingSupport.OUTER_1VECTOR,
+                                                  self._read)
 
     def _read(self, key: tuple[Any, ...]) -> Any:
         with self.file.opened() as file:
@@ -64,7 +66,8 @@ class File:
     def require_unchanged(self) -> None:
         """Raises FileError where the file is gone, or is another one by now."""
         if self._now() != self._identity:
-            raise FileError(f"{str(self.path)!r} has been replaced since it was opened: open it again, "
+            raise FileError(f"{str(self.path)!r} has been replaced since it was opened: open it "
+                            "again, "
                             "with ra2d.load or ra2d.load_study")
 
     @contextlib.contextmanager
@@ -77,7 +80,8 @@ class File:
         except Error:
             raise
         except _DAMAGE as fault:
-            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d check' says what "
+            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d "
+                            "check' says what "
                             "of it is damaged") from fault
 
     def read(self, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
@@ -91,12 +95,14 @@ class File:
                     values = _lazy(_Dataset(self, f"{group}/{name}", stored))
                     variables[name] = _variable(of, values, _units(stored))
             coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
-            return xr.Dataset({name: of for name, of in variables.items() if name not in coordinates}, coordinates)
+            return xr.Dataset({name: of for name, of in variables.items()
+                               if name not in coordinates}, coordinates)
 
     def scalars(self, group: str) -> xr.Dataset:
         """The single numbers of a group. Numbers that do not exist are not in it."""
         with self.opened() as file:
-            return xr.Dataset({name: _variable((), stored[()], _units(stored)) for name, stored in file[group].items()
+            return xr.Dataset({name: _variable((), stored[()], _units(stored))
+                               for name, stored in file[group].items()
                                if stored.shape == ()})
 
     def attributes(self) -> dict[str, Any]:

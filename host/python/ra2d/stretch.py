@@ -19,7 +19,9 @@ _SUMS = ("damping_loss", "sliding_work", "load_work")  # energies since t = 0
 def _seconds(name: str, value: float | None) -> float | None:
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value,
+                                                 int | float
+                                                 | np.number) or not math.isfinite(value):
         raise RequestError(f"{name} is {value!r}: expected a time of the run in s")
     return float(value)
 
@@ -37,14 +39,19 @@ class Stretch(Result):
         self.first = 0.0 if self.start is None else self.start          # s
         self.last = end if self.stop is None else min(self.stop, end)   # s
         if self.first < 0 or not self.first < self.last:
-            raise RequestError(f"from {self.first:g} s to {self.last:g} s there is nothing of {whole.path.name}: the run "
+            raise RequestError(
+                f"from {self.first:g} s to {self.last:g} s there is nothing of {whole.path.name}: "
+                "the run "
                                f"goes from 0 s to {end:g} s, and start is before stop")
         half = 0.5e-3 / whole.rate if math.isfinite(whole.rate) else 0.0  # roundings of times
         self._within = slice(self.first - half, self.last + half)
         self._samples = int(self._part(super().contact).sizes["time"])
         if self._samples < 2:
-            raise RequestError(f"from {self.first:g} s to {self.last:g} s there are fewer than two samples, which are "
-                               f"{quantity(1 / whole.rate, 's')} apart: take a longer stretch, or 'ra2d run --zoom'")
+            raise RequestError(
+                f"from {self.first:g} s to {self.last:g} s there are fewer than two samples, which "
+                "are "
+                               f"{quantity(1 / whole.rate, 's')} apart: take a longer stretch, or "
+                               "'ra2d run --zoom'")
 
     def _part(self, series: xr.Dataset) -> xr.Dataset:
         part: xr.Dataset = series.sel(time=self._within)
@@ -118,4 +125,5 @@ def words(result: Result) -> str:
     """The words for a stretch in the head of a picture."""
     if not isinstance(result, Stretch):
         return ""
-    return f", from {quantity(result.first, 's', 7) if result.first else '0'} to {quantity(result.last, 's', 7)}"
+    return (f", from {quantity(result.first, 's', 7) if result.first else '0'} to "
+            f"{quantity(result.last, 's', 7)}")

@@ -24,11 +24,14 @@ if TYPE_CHECKING:
 
 _MARK = "# Written by ra2d.study, which replaces it.\n"
 _SOUNDS = ("lp", "lpa", "lw", "lwa")
-_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", *_SOUNDS, "contact_share",
+_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median",
+              *_SOUNDS, "contact_share",
               "energy_closure", "wall_seconds", "status", "message", "file")
 _ENDS = ("", "_low", "_high")  # of a mean: itself and its interval
-_INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"), "shock_rate": ("shock_rate", "1/s")}
-_SOUND_INTERVALS = {"lp": ("lp", "dB re 20 uPa"), "lpa": ("lpa", "dB(A)"), "lw": ("lw", "dB re 1 pW"),
+_INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"),
+              "shock_rate": ("shock_rate", "1/s")}
+_SOUND_INTERVALS = {"lp": ("lp", "dB re 20 uPa"), "lpa": ("lpa", "dB(A)"),
+                    "lw": ("lw", "dB re 1 pW"),
                     "lwa": ("lwa", "dB(A) re 1 pW")}
 
 
@@ -58,7 +61,8 @@ class Law:
     def level(self, **point: float) -> float:
         """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI
         units."""
-        return self.constant + sum(20 * e * math.log10(point[name]) for name, e in self.exponents.items())
+        return self.constant + sum(20 * e * math.log10(point[name])
+                                   for name, e in self.exponents.items())
 
     @property
     def amplitude(self) -> str:
@@ -67,13 +71,16 @@ class Law:
         >>> getfixture("study").law().amplitude
         'v_rms'
         """
-        return {"v_rms": "v_rms", "lp": "p_rms", "lpa": "p_rms, A-weighted,", "lw": "(sound power)^(1/2)",
+        return {"v_rms": "v_rms", "lp": "p_rms", "lpa": "p_rms, A-weighted,",
+                "lw": "(sound power)^(1/2)",
                 "lwa": "(sound power, A-weighted)^(1/2)"}[self.about["of"]]
 
     def __repr__(self) -> str:
         powers = " ".join(f"{name}^{float(e):.3f}" for name, e in self.exponents.items())
-        lines = [f"{self.amplitude} ~ {powers}   (R² = {self.r_squared:.4f}, {self.about['runs']} runs)"]
-        lines += [f"  {name}: {float(e):.3f}" + ("" if math.isnan(e.low) else f", 95 %: {e.low:.3f} to {e.high:.3f}")
+        lines = [f"{self.amplitude} ~ {powers}   (R² = {self.r_squared:.4f}, {self.about['runs']} "
+                 "runs)"]
+        lines += [f"  {name}: {float(e):.3f}" + ("" if math.isnan(e.low)
+                                                 else f", 95 %: {e.low:.3f} to {e.high:.3f}")
                   for name, e in self.exponents.items()]
         return "\n".join([*lines, f"  {self.about['straight_line']['says']}"])
 
@@ -113,7 +120,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
 
     def _whole(self) -> dict[str, Any]:
         if not hasattr(self, "_answer"):
-            raise RequestError("this is a part of a study: ask the whole one for its law, means and picture")
+            raise RequestError(
+                "this is a part of a study: ask the whole one for its law, means and picture")
         answer: dict[str, Any] = self._answer
         return answer
 
@@ -136,16 +144,24 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         """
         answer = self._whole()
         if of != "v_rms" and of not in _SOUNDS:
-            raise RequestError(f"of = {of!r}: expected 'v_rms', {', '.join(map(repr, _SOUNDS[:-1]))} or {_SOUNDS[-1]!r}")
+            raise RequestError(
+                f"of = {of!r}: expected 'v_rms', {', '.join(map(repr, _SOUNDS[:-1]))} or "
+                f"{_SOUNDS[-1]!r}")
         found = answer["law"] if of == "v_rms" else answer.get("sound_laws", {}).get(of)
         if found is None and of != "v_rms":
-            raise RequestError(f"this study has no law of {of}: the table holds no sound (keep_sound=True, or keep = "
+            raise RequestError(
+                f"this study has no law of {of}: the table holds no sound (keep_sound=True, or "
+                "keep = "
                                "[\"sound\"] in its file)")
         if not found or "why_none" in found:
-            raise RequestError(f"this study has no law: {found['why_none'] if found else answer['why_no_law']}")
-        note = "by the seeds" if found["seeds"] > 1 else "each run counts by itself: there is one seed"
-        exponents = {name: Estimate.of(e["value"], e, "", note) for name, e in found["exponents"].items()}
-        return Law(exponents, found["constant_db"], _number(found["deviation_db"]), _number(found["r_squared"]), found)
+            raise RequestError(
+                f"this study has no law: {found['why_none'] if found else answer['why_no_law']}")
+        note = "by the seeds" if found[
+            "seeds"] > 1 else "each run counts by itself: there is one seed"
+        exponents = {name: Estimate.of(e["value"], e, "", note)
+                     for name, e in found["exponents"].items()}
+        return Law(exponents, found["constant_db"], _number(found["deviation_db"]),
+                   _number(found["r_squared"]), found)
 
     def means(self) -> pd.DataFrame:
         """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],
@@ -157,7 +173,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         """
         answer = self._whole()
         names = [name for name in answer["dimensions"] if name != "seed"]
-        rows, intervals = [], _INTERVALS | {name: its for name, its in _SOUND_INTERVALS.items() if name in self}
+        rows, intervals = [], _INTERVALS | {name: its for name, its in _SOUND_INTERVALS.items()
+                                            if name in self}
         for point in answer["points"]:
             row = {name: point[name] for name in names} | {"runs": point["runs"]}
             for name, (key, _) in intervals.items():
@@ -166,7 +183,9 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
                         f"{name}_high": _number(found.get("high"))}
             rows.append(row)
         figures = [name + end for name in intervals for end in _ENDS]
-        table = pd.DataFrame(rows, columns=[*names, "runs", *figures]).astype(dict.fromkeys(figures, float))
+        table = pd.DataFrame(rows,
+                             columns=[*names, "runs",
+                                      *figures]).astype(dict.fromkeys(figures, float))
         table.attrs["units"] = {name: unit for name, (_, unit) in intervals.items()}
         return table.set_index(names) if names else table
 
@@ -220,14 +239,17 @@ def load_study(folder: str | os.PathLike[str]) -> Study:
     return Study._of(path.resolve())
 
 
-def _dimensions(vary: Mapping[str | tuple[str, ...], Iterable[Any]]) -> dict[str, tuple[list[str], list[Any]]]:
+def _dimensions(vary: Mapping[str | tuple[str, ...],
+                              Iterable[Any]]) -> dict[str, tuple[list[str], list[Any]]]:
     """The keys and values of each dimension, by its name in the table."""
     if not isinstance(vary, Mapping):
-        raise RequestError(f"vary: expected keys with their values, as {{'speed': [0.1, 0.2]}}, not {vary!r}")
+        raise RequestError(
+            f"vary: expected keys with their values, as {{'speed': [0.1, 0.2]}}, not {vary!r}")
     found: dict[str, tuple[list[str], list[Any]]] = {}
     for names, values in vary.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
-            raise RequestError(f"{names}: expected a list of values, as [{values!r}], not {values!r}")
+            raise RequestError(
+                f"{names}: expected a list of values, as [{values!r}], not {values!r}")
         keys = [full_key(name) for name in ([names] if isinstance(names, str) else names)]
         short = keys[0].rsplit(".", 1)[-1]
         name = short if short not in found and short != "seed" else keys[0].replace(".", "_")
@@ -237,11 +259,13 @@ def _dimensions(vary: Mapping[str | tuple[str, ...], Iterable[Any]]) -> dict[str
     return found
 
 
-def _study_text(base: pathlib.Path, what: Scene, dimensions: Mapping[str, tuple[list[str], list[Any]]],
+def _study_text(base: pathlib.Path, what: Scene,
+                dimensions: Mapping[str, tuple[list[str], list[Any]]],
                 seeds: int | Sequence[int], keep: Sequence[str]) -> str:
     lines = [f"base = {toml.value(str(base))}", f"seeds = {toml.value(seeds)}"]
     lines += [f"keep = {toml.value(['level', 'shocks', *keep])}"] * bool(keep)
-    lines += ["", "[set]", *(f"{toml.key(name)} = {toml.value(value)}" for name, value in what.changes.items())]
+    lines += ["", "[set]",
+              *(f"{toml.key(name)} = {toml.value(value)}" for name, value in what.changes.items())]
     lines += ["", "[vary]", *(f"{name} = {toml.value({'keys': keys, 'values': values})}"
                               for name, (keys, values) in dimensions.items())]
     return _MARK + "\n".join(lines) + "\n"
@@ -256,8 +280,10 @@ def _write(path: pathlib.Path, text: str) -> None:
 
 def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
           vary: Mapping[str | tuple[str, ...], Iterable[Any]], seeds: int | Sequence[int] = 1, *,
-          folder: str | os.PathLike[str] | None = None, keep_files: bool = False, keep_sound: bool = False, threads: int | None = None,
-          retry_failed: bool = False, max_wall: float | str | None = None, show: bool = True) -> Study:
+          folder: str | os.PathLike[str] | None = None, keep_files: bool = False,
+          keep_sound: bool = False, threads: int | None = None,
+          retry_failed: bool = False, max_wall: float | str | None = None,
+          show: bool = True) -> Study:
     """Runs every combination of what is varied, on all processors, and returns the table. The same
     call continues it; with more values only what is new is run.
 
@@ -290,7 +316,8 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     file = place.with_name(place.name + ".toml")
     _write(file, _study_text(base, what, dimensions, seeds,
                              ["sound"] * bool(keep_sound) + ["files"] * bool(keep_files)))
-    options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed), "--max-wall": max_wall})
+    options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed),
+                               "--max-wall": max_wall})
     try:
         with progress.shown(show) as shown:
             program.follow(["study", file, "-o", place, *options], shown)

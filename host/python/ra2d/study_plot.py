@@ -56,25 +56,30 @@ class _Panel:
     def __init__(self, axes: Any, study: Study, means: pd.DataFrame, law: Law | None, name: str,
                  names: list[str]) -> None:
         self.axes, self.study, self.means, self.law, self.name = axes, study, means, law, name
-        others = sorted((other for other in names if other != name), key=lambda other: -study.sizes[other])
+        others = sorted((other for other in names if other != name),
+                        key=lambda other: -study.sizes[other])
         self.colour, self.marked = (others[0] if others else None), others[1:]
         values = study[name].values
         self.numeric = _is_number(values)
         self.log = self.numeric and bool((values > 0).all()) and values.size > 1
-        self.place = {value: float(value) if self.numeric else float(i) for i, value in enumerate(values.tolist())}
+        self.place = {value: float(value) if self.numeric else float(i)
+                      for i, value in enumerate(values.tolist())}
 
     def unit(self, name: str) -> str:
         return style.unit_text(self.study[name].attrs.get("units", "1"))
 
     def draw(self) -> None:
-        by_colour: list[Any] = sorted(self.study[self.colour].values.tolist()) if self.colour else [None]
-        by_mark = self.means[self.marked].drop_duplicates().to_records(index=False).tolist() if self.marked else [()]
+        by_colour: list[Any] = sorted(
+            self.study[self.colour].values.tolist()) if self.colour else [None]
+        by_mark = self.means[self.marked].drop_duplicates().to_records(
+            index=False).tolist() if self.marked else [()]
         colours = _colours(len(by_colour)) if self.colour else [style.BLUE]
         series = len(by_colour) * len(by_mark)
         for i, value in enumerate(by_colour):
             for j, rest in enumerate(by_mark):
                 of = self.means
-                for key, wanted in [(self.colour, value)] * bool(self.colour) + list(zip(self.marked, rest)):
+                for key, wanted in [(self.colour,
+                                     value)] * bool(self.colour) + list(zip(self.marked, rest)):
                     of = of[of[key] == wanted]
                 aside = (i * len(by_mark) + j - (series - 1) / 2) / max(series, 6)
                 self._draw_series(of, colours[i], MARKS[j % MOST_MARKS], aside)
@@ -89,16 +94,21 @@ class _Panel:
         x = of["place"].to_numpy()
         everywhere = list(self.place.values())
         span = 0.03 * aside  # bars stand apart
-        marks = x * (max(everywhere) / min(everywhere)) ** span if self.log else x + span * (np.ptp(everywhere) or 1)
+        marks = x * (max(everywhere) / min(everywhere)) ** span if self.log else x + span * (
+            np.ptp(everywhere) or 1)
         level = of["level"].to_numpy()
-        half_interval = [np.nan_to_num(level - of["level_low"].to_numpy()), np.nan_to_num(of["level_high"].to_numpy() - level)]
-        self.axes.errorbar(marks, level, yerr=half_interval, fmt=mark, ms=5, color=colour, mec="white", mew=0.5,
-                           ecolor=(*matplotlib.colors.to_rgb(colour), 0.55), elinewidth=1.2, capsize=0, zorder=3)
+        half_interval = [np.nan_to_num(level - of["level_low"].to_numpy()),
+                         np.nan_to_num(of["level_high"].to_numpy() - level)]
+        self.axes.errorbar(marks, level, yerr=half_interval, fmt=mark, ms=5, color=colour,
+                           mec="white", mew=0.5,
+                           ecolor=(*matplotlib.colors.to_rgb(colour), 0.55), elinewidth=1.2,
+                           capsize=0, zorder=3)
         if self.law and self.name in self.law.exponents and len(of) > 1:
             at = np.geomspace(x[0], x[-1], 40)
             first = of.iloc[0]
             point = {name: float(first[name]) for name in self.law.exponents}
-            self.axes.plot(at, [self.law.level(**(point | {self.name: value})) for value in at], color=colour, lw=1.2,
+            self.axes.plot(at, [self.law.level(**(point | {self.name: value})) for value in at],
+                           color=colour, lw=1.2,
                            zorder=2)
         else:
             self.axes.plot(marks, level, color=colour, lw=0.7, alpha=0.5, zorder=2)
@@ -113,13 +123,15 @@ class _Panel:
         axes.xaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_minor_formatter(NullFormatter())
         turned = sum(map(len, labels)) > 48
-        axes.set_xticklabels(labels, rotation=40 if turned else 0, ha="right" if turned else "center")
+        axes.set_xticklabels(labels, rotation=40 if turned else 0, ha="right" if turned
+                             else "center")
         axes.set_xlabel(_axis_name(self.name, unit))
         axes.set_ylabel(f"level [{DECIBEL}]")
         places = np.array(list(self.place.values()))  # also those without a run
         margin = 0.06 * np.ptp(np.log(places) if self.log else places) if self.numeric else 0.5
         low, high = places.min(), places.max()
-        axes.set_xlim(*((low / np.exp(margin), high * np.exp(margin)) if self.log else (low - margin, high + margin)))
+        axes.set_xlim(*((low / np.exp(margin), high * np.exp(margin)) if self.log
+                        else (low - margin, high + margin)))
         handles = []
         if self.colour:
             shades, unit = words(by_colour, self.unit(self.colour))
@@ -128,13 +140,16 @@ class _Panel:
             handles += [Line2D([], [], color=colour, lw=3, label=word)
                         for colour, word in list(zip(colours, shades))[::-step]]
         if self.marked:
-            columns = [words(list(values), self.unit(key)) for key, values in zip(self.marked, zip(*by_mark))]
+            columns = [words(list(values), self.unit(key))
+                       for key, values in zip(self.marked, zip(*by_mark))]
             names = ", ".join(_axis_name(key, unit) for key, (_, unit) in zip(self.marked, columns))
             handles += [Line2D([], [], ls="none", label=names)]
-            handles += [Line2D([], [], color=GREY, marker=MARKS[j % MOST_MARKS], ls="none", label=", ".join(texts))
+            handles += [Line2D([], [], color=GREY, marker=MARKS[j % MOST_MARKS], ls="none",
+                               label=", ".join(texts))
                         for j, texts in enumerate(zip(*(texts for texts, _ in columns)))]
         if handles:
-            axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1), borderaxespad=0, frameon=False,
+            axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1),
+                        borderaxespad=0, frameon=False,
                         fontsize=8, handlelength=1.2)
 
     def _ticks(self) -> list[tuple[Any, float]]:
@@ -164,17 +179,21 @@ def sound_laws(study: Study) -> list[Law]:
 
 
 def _law_words(law: Law) -> str:
-    parts = [f"{name}^{float(e):.3f}" + ("" if math.isnan(e.low) else f" ({e.low:.3f} to {e.high:.3f})")
+    parts = [f"{name}^{float(e):.3f}" + ("" if math.isnan(e.low)
+                                         else f" ({e.low:.3f} to {e.high:.3f})")
              for name, e in law.exponents.items()]
     spread = "" if math.isnan(law.deviation) else f", {law.deviation:.2f} dB from the law to a run"
-    return f"{law.amplitude} ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, {law.about['runs']} runs{spread}"
+    return (f"{law.amplitude} ~ {'  '.join(parts)};  R\u00b2 = {law.r_squared:.4f}, "
+            f"{law.about['runs']} runs{spread}")
 
 
 def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, float, str, str]]:
     a = study.attrs
-    counts = f"{a['done']} of {a['runs']} runs done" + (f", {a['failed']} failed" if a["failed"] else "")
+    counts = f"{a['done']} of {a['runs']} runs done" + (f", {a['failed']} failed"
+                                                        if a["failed"] else "")
     lines = [(literal(f"study: {study.folder.name}"), 12.0, "bold", BLACK),
-             (f"{counts}. Means over the seeds ({study.sizes['seed']}) with 95 % intervals (cut at the panels' ends); "
+             (f"{counts}. Means over the seeds ({study.sizes['seed']}) with 95 % intervals (cut at "
+              "the panels' ends); "
               "lines: the law", 8.5, "normal", GREY)]
     if not law:
         return lines + [(literal(why_no_law), 9.0, "normal", BLACK)]
@@ -186,7 +205,8 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
 
 def varied(study: Study) -> list[str]:
     """The keys with two values or more."""
-    return [name for name in str(study.attrs["dimensions"]).split() if name != "seed" and study.sizes[name] > 1]
+    return [name for name in str(study.attrs["dimensions"]).split() if name != "seed"
+            and study.sizes[name] > 1]
 
 
 def _set_limits(axes: Any, means: pd.DataFrame) -> None:
@@ -220,7 +240,8 @@ def picture(study: Study) -> Picture:
     columns = 1 if len(names) <= 1 else 2
     rows = max(1, math.ceil(len(names) / columns))
     with matplotlib.rc_context(style.RC):
-        figure, body = style.page(FULL_WIDTH * columns + (1.5 if columns == 1 else 0), 3.7 * rows, _head(study, law, why))
+        figure, body = style.page(FULL_WIDTH * columns + (1.5 if columns == 1 else 0), 3.7 * rows,
+                                  _head(study, law, why))
         grid = list(np.atleast_1d(body.subplots(rows, columns, squeeze=False, sharey=True)).ravel())
         for axes in grid[max(len(names), 1):]:
             axes.set_visible(False)

@@ -22,7 +22,8 @@ Array = npt.NDArray[np.float64]
 # measures it), each with a line and a mark of its own, so that nothing hangs on colour alone.
 BLUE, RUST, PLUM, SKY, BLACK, GREEN, AMBER, MOSS = SERIES = (
     "#2b45c8", "#bb560f", "#6b1170", "#6fb5f2", "#000000", "#056545", "#f0ac00", "#b2be80")
-LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)),
+LINES = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2)),
+         (0, (3, 1, 1, 1, 1, 1)),
          (0, (12, 1, 1, 1)), (0, (2, 2)))
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 GREY = "#555555"
@@ -30,8 +31,10 @@ DECIBEL = "dB re 1 nm/s"
 DPI = 130  # of pictures in files
 
 RC = {
-    "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8.5, "ytick.labelsize": 8.5,
-    "legend.fontsize": 8.5, "legend.framealpha": 0.9, "axes.grid": True, "grid.alpha": 0.25, "grid.linewidth": 0.6,
+    "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "legend.fontsize": 8.5, "legend.framealpha": 0.9, "axes.grid": True, "grid.alpha": 0.25,
+    "grid.linewidth": 0.6,
     "axes.titlelocation": "left", "axes.formatter.useoffset": False, "axes.axisbelow": True,
     "figure.constrained_layout.w_pad": 0.08, "figure.dpi": 110,
     "svg.fonttype": "none", "pdf.fonttype": 42,  # text stays text
@@ -102,7 +105,8 @@ def unit_text(udunits: str) -> str:
     below: list[str] = []
     for part in udunits.split():
         name, _, power = part.partition("-")
-        (below if power else above).append(name.translate(powers) + (power if power != "1" else "").translate(powers))
+        (below if power else above).append(name.translate(powers) + (power if power != "1"
+                                                                     else "").translate(powers))
     top = " ".join(above)
     return "" if udunits == "1" else top + "".join(f"/{name}" for name in below)
 
@@ -115,8 +119,10 @@ def envelope(x: Array, y: Array, ends: Array) -> tuple[Array, Array, Array, Arra
             np.add.reduceat(y, begins) / counts, np.maximum.reduceat(y, begins))
 
 
-def draw_series(axes: Any, x: Array, y: Array, colour: str, line: Any = "-", label: str | None = None,
-                width: float = 1.0, most: int = 1200, log: bool = False, fill: float = 0.45, mean: bool = True) -> int:
+def draw_series(axes: Any, x: Array, y: Array, colour: str, line: Any = "-",
+                label: str | None = None,
+                width: float = 1.0, most: int = 1200, log: bool = False, fill: float = 0.45,
+                mean: bool = True) -> int:
     """A line; of long series the band from lowest to highest of neighbours, and their mean. Returns
     how many are put together. `log`: groups of equal ratio."""
     if len(y) <= 2 * most:
@@ -124,7 +130,8 @@ def draw_series(axes: Any, x: Array, y: Array, colour: str, line: Any = "-", lab
         return 1
     ends = np.geomspace(1, len(y), most) - 1 if log else np.linspace(0, len(y), most)
     at, low, middle, high = envelope(x, y, ends)
-    axes.fill_between(at, low, high, color=colour, alpha=fill, lw=0.4, zorder=2, label=None if mean else label)
+    axes.fill_between(at, low, high, color=colour, alpha=fill, lw=0.4, zorder=2,
+                      label=None if mean else label)
     if mean:
         axes.plot(at, middle, ls=line, color=colour, lw=width, label=label, zorder=3)
     return math.ceil(len(y) / most)
@@ -176,7 +183,8 @@ def time_axis(axes: Any, time: Array, note: str = "") -> Callable[[Any], Any]:
 def at_probes(motion: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
     """The series of each probe, with its place."""
     one_by_one = [motion.isel({motion.dims[1]: i}) for i in range(motion.shape[1])]
-    return [(", ".join(f"{1e3 * float(one[name]):.6g}" for name in ("position", "y") if name in one.coords) + " mm", one)
+    return [(", ".join(f"{1e3 * float(one[name]):.6g}" for name in ("position", "y")
+                       if name in one.coords) + " mm", one)
             for one in one_by_one]
 
 
@@ -195,11 +203,13 @@ def say_empty(axes: Any, why: str, title: str, keep_x: bool = False) -> None:
     axes.grid(False)
     for side in axes.spines.values():
         side.set_color("#bbbbbb")
-    axes.text(0.5, 0.5, textwrap.fill(why, 44), transform=axes.transAxes, ha="center", va="center", fontsize=10,
+    axes.text(0.5, 0.5, textwrap.fill(why, 44), transform=axes.transAxes, ha="center", va="center",
+              fontsize=10,
               color=GREY)
 
 
-def page(width: float, height: float, lines: Sequence[tuple[str, float, str, str]]) -> tuple[Picture, Any]:
+def page(width: float, height: float,
+         lines: Sequence[tuple[str, float, str, str]]) -> tuple[Picture, Any]:
     """A figure with lines of text at its top (text, size, weight, colour), and the subfigure
     below."""
     top = (0.18 + sum(size * 1.5 / 72 for _, size, _, _ in lines)) if lines else 0.01
@@ -209,6 +219,7 @@ def page(width: float, height: float, lines: Sequence[tuple[str, float, str, str
     for text, size, weight, colour in lines:
         most = int(132 * width / size)
         text = text if len(text) <= most else text[:most] + "\u2026"
-        upper.text(0.12 / width, y / top, text, fontsize=size, weight=weight, color=colour, va="top", in_layout=False)
+        upper.text(0.12 / width, y / top, text, fontsize=size, weight=weight, color=colour,
+                   va="top", in_layout=False)
         y -= size * 1.5 / 72
     return figure, lower

@@ -51,8 +51,10 @@ class Surface(dict[str, Any]):
         """
         # two rigid bodies, for one step: the result holds the faces
         where: dict[str, Any] = {"duration": 1e-6, "speed": 0.0, "start": 0.0, "spacing": spacing}
-        rough: dict[str, Any] = {"support": "rigid", "length": length, "width": width or 1.0, "surface": self}
-        flat = {"support": "rigid", "length": 4 * spacing if width is None else length + 4 * spacing,
+        rough: dict[str, Any] = {"support": "rigid", "length": length, "width": width or 1.0,
+                                 "surface": self}
+        flat = {"support": "rigid", "length": 4 * spacing if width is None
+                else length + 4 * spacing,
                 "width": width or 1.0}
         if width is None:
             bodies = {"resonator": rough, "slider": flat}
@@ -65,7 +67,8 @@ class Surface(dict[str, Any]):
                  "output": {"rate": 1e6}}
         with program.scratch() as folder:
             program.call("run", Scene(scene).file(folder), "-o", folder / "faces.h5", "--quiet")
-            return Result(folder / "faces.h5").profile("resonator" if width is None else "slider").load()
+            return Result(folder / "faces.h5").profile("resonator" if width is None
+                                                       else "slider").load()
 
     def roughness(self, cutoff: float = 2.5e-3, **options: Any) -> pd.Series[float]:
         """Roughness parameters of a measured face, in SI units, by ISO 21920-2 (`ra2d surface
@@ -77,16 +80,20 @@ class Surface(dict[str, Any]):
         '2.83e-06'
         """
         if self.get("kind") != "file":
-            raise RequestError("roughness is measured of a file: give ra2d.surface.array(face.heights(...), spacing) "
+            raise RequestError(
+                "roughness is measured of a file: give ra2d.surface.array(face.heights(...), "
+                "spacing) "
                                "or ra2d.surface.read(...)")
         words: dict[str, Any] = {name: self[name] for name in MEASURED if name in self}
         words |= {"cutoff": cutoff, **options}
-        given = [str(word) for name, value in words.items() for word in ("--" + name.replace("_", "-"), value)]
+        given = [str(word) for name, value in words.items()
+                 for word in ("--" + name.replace("_", "-"), value)]
         answer = program.ask("surface", "measure", self["path"], *given)
         return pd.Series(answer["parameters"], dtype=float, name=answer["standard"])
 
 
-def gaussian(*, rq: float, seed: int, rsm: float | None = None, correlation_length: float | None = None,
+def gaussian(*, rq: float, seed: int, rsm: float | None = None,
+             correlation_length: float | None = None,
              **words: Any) -> Surface:
     """A random face. `rq` [m]: root mean square height; `rsm` [m]: mean spacing of its elements, or
     `correlation_length` [m]; `words`: the other keys of docs/scene.md, as `skewness`, `kurtosis`,
@@ -98,7 +105,8 @@ def gaussian(*, rq: float, seed: int, rsm: float | None = None, correlation_leng
     if (rsm is None) == (correlation_length is None) and words.get("correlation") != "self-affine":
         raise RequestError("a random face needs rsm or correlation_length, one of them")
     given = {"rq": rq, "rsm": rsm, "correlation_length": correlation_length, **words, "seed": seed}
-    return Surface(kind="gaussian", **{name: value for name, value in given.items() if value is not None})
+    return Surface(kind="gaussian",
+                   **{name: value for name, value in given.items() if value is not None})
 
 
 def read(path: str | os.PathLike[str], **words: Any) -> Surface:
@@ -133,24 +141,32 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
     except (TypeError, ValueError) as fault:
         raise RequestError(f"a face is a row of heights in metres: {fault}") from fault
     if z.ndim not in (1, 2) or min(z.shape) < 2 or not np.isfinite(z).all():
-        raise RequestError("a face is a row of at least two finite heights in metres, or rows of them, not an array of "
-                           f"shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that are not finite")
+        raise RequestError(
+            "a face is a row of at least two finite heights in metres, or rows of them, not an "
+            "array of "
+                           f"shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that "
+                           "are not finite")
     for name, value in (("spacing", spacing), ("spacing_y", spacing_y)):
-        if value is not None and not (isinstance(value, int | float | np.number) and 0 < value < np.inf):
+        if value is not None and not (isinstance(value, int | float | np.number)
+                                      and 0 < value < np.inf):
             raise RequestError(f"{name} is {value!r}: expected a number > 0 (m)")
     if z.ndim == 2:
         return _map(z, float(spacing), float(spacing_y or spacing), path, words)
     if spacing_y is not None:
         raise RequestError("spacing_y is of rows: expected heights of shape (rows, x)")
-    text = "x [m],z [m]\n" + "".join(f"{i * float(spacing)!r},{height!r}\n" for i, height in enumerate(z.tolist()))
+    text = "x [m],z [m]\n" + "".join(f"{i * float(spacing)!r},{height!r}\n"
+                                     for i, height in enumerate(z.tolist()))
     file = pathlib.Path(path or f"face-{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv")
     if file.suffix in (".h5", ".toml", ".npy"):
-        raise RequestError(f"{str(file)!r}: a face is a text of two columns; expected a name that ends in .csv or .txt")
+        raise RequestError(
+            f"{str(file)!r}: a face is a text of two columns; expected a name that ends in .csv or "
+            ".txt")
     files.write(file, text)
     return read(file, **words)
 
 
-def _map(heights: npt.NDArray[np.float64], spacing: float, spacing_y: float, path: str | os.PathLike[str] | None,
+def _map(heights: npt.NDArray[np.float64], spacing: float, spacing_y: float,
+         path: str | os.PathLike[str] | None,
          words: dict[str, Any]) -> Surface:
     buffer = io.BytesIO()
     np.save(buffer, np.ascontiguousarray(heights, dtype="<f8"))

@@ -26,7 +26,8 @@ def value(given: Any) -> str:
         return "true" if given else "false"
     if isinstance(given, int | float):
         return repr(given) if isinstance(given, int) else _number(given)
-    if isinstance(given, os.PathLike):  # counts from the current folder; a text, from the scene's file
+    # counts from the current folder; a text, from the scene's file
+    if isinstance(given, os.PathLike):
         given = os.path.abspath(given)
     if isinstance(given, str):
         return _text(given)
@@ -34,7 +35,8 @@ def value(given: Any) -> str:
         return "{ " + ", ".join(f"{key(k)} = {value(v)}" for k, v in given.items()) + " }"
     if isinstance(given, list | tuple | range):
         return "[" + ", ".join(map(value, given)) + "]"
-    raise RequestError(f"a scene holds numbers, texts, lists and tables, not {type(given).__name__}: {given!r}")
+    raise RequestError(
+        f"a scene holds numbers, texts, lists and tables, not {type(given).__name__}: {given!r}")
 
 
 def _text(given: str) -> str:
@@ -42,7 +44,8 @@ def _text(given: str) -> str:
     try:
         given.encode()
     except UnicodeEncodeError as fault:
-        raise RequestError(f"{given!r} cannot stand in a scene, which is UTF-8: rename the file") from fault
+        raise RequestError(
+            f"{given!r} cannot stand in a scene, which is UTF-8: rename the file") from fault
     return json.dumps(given, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
@@ -68,8 +71,10 @@ def document(sections: Mapping[str, Mapping[str, Any]]) -> str:
     """
     for name, keys in sections.items():
         if not isinstance(keys, Mapping):
-            raise RequestError(f"{name}: expected a section, as {{{name!r}: {{...}}}}, not {keys!r}")
-    return "\n".join(f"[{key(name)}]\n" + "".join(f"{key(k)} = {value(v)}\n" for k, v in keys.items())
+            raise RequestError(
+                f"{name}: expected a section, as {{{name!r}: {{...}}}}, not {keys!r}")
+    return "\n".join(f"[{key(name)}]\n" + "".join(f"{key(k)} = {value(v)}\n"
+                                                  for k, v in keys.items())
                      for name, keys in sections.items())
 
 

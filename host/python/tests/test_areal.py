@@ -18,7 +18,8 @@ BLOCK = {"length": 2e-3, "width": 1.5e-3}
 def areal(folder):
     scene = ra2d.scene("areal").change({f"slider.{key}": value for key, value in BLOCK.items()},
                                       duration=1e-3, spacing=50e-6)
-    return ra2d.run(scene.change({"output.probes": [[0.1, 0.13], [0.15, 0.1]]}), output=folder / "areal.h5", show=False)
+    return ra2d.run(scene.change({"output.probes": [[0.1, 0.13], [0.15, 0.1]]}),
+                    output=folder / "areal.h5", show=False)
 
 
 def test_faces_are_maps(areal):
@@ -33,7 +34,8 @@ def test_modes_have_their_half_waves(areal):
     """Frequencies of a pinned plate: sqrt(D/mu) pi/2 (m^2/a^2 + n^2/b^2)."""
     modes = areal.modes("resonator")
     stiffness = 210e9 * 0.002**3 / (12 * (1 - 0.3**2))
-    expected = np.sqrt(stiffness / (7800 * 0.002)) * np.pi / 2 * ((modes.mode_x / 0.3) ** 2 + (modes.mode_y / 0.2) ** 2)
+    expected = np.sqrt(stiffness / (7800 * 0.002)) * np.pi / 2 * ((modes.mode_x / 0.3) ** 2
+                                                                  + (modes.mode_y / 0.2) ** 2)
     assert modes.sizes["mode"] == 174 and np.allclose(modes.frequency, expected, rtol=1e-13)
     assert modes.displacement.units == "m2" and modes.mean_square.units == "m-2"
     assert "shape" not in modes and areal.modes("slider").sizes["mode"] == 3
@@ -52,10 +54,13 @@ def test_a_file_without_the_y_of_its_shocks_is_refused(areal, folder):
 def test_probes_have_two_coordinates(areal):
     probes = areal.probes
     assert probes.velocity.dims == ("time", "probe") and probes.probe.values.tolist() == [1, 2]
-    assert probes.position.values.tolist() == [0.1, 0.15] and probes.y.values.tolist() == [0.13, 0.1]
+    assert probes.position.values.tolist() == [0.1,
+                                               0.15] and probes.y.values.tolist() == [0.13, 0.1]
     modes = areal.modes("resonator")
-    shape = 2 / np.sqrt(0.3 * 0.2) * np.sin(modes.mode_x * np.pi * 0.1 / 0.3) * np.sin(modes.mode_y * np.pi * 0.13 / 0.2)
-    assert np.allclose(probes.displacement.sel(probe=1), (modes.displacement * shape).sum("mode"), rtol=1e-9, atol=1e-20)
+    shape = 2 / np.sqrt(0.3 * 0.2) * np.sin(modes.mode_x * np.pi * 0.1
+                                            / 0.3) * np.sin(modes.mode_y * np.pi * 0.13 / 0.2)
+    assert np.allclose(probes.displacement.sel(probe=1), (modes.displacement * shape).sum("mode"),
+                       rtol=1e-9, atol=1e-20)
     assert areal.listen(2).about["y"] == 0.1
     for found in (areal.spectrum().density_probe, areal.bands().level_probe):
         assert found.dims == ("probe", "frequency")
@@ -77,7 +82,8 @@ def test_fields_are_maps(areal):
     modes = areal.modes("resonator").velocity.isel(time=-1)
     square = (field**2).integrate("position").integrate("y")
     assert float(square) == pytest.approx(float((modes**2).sum()), rel=1e-9)
-    assert not field.isel(y=0).any() and abs(field.isel(position=-1)).max() < 1e-12 * abs(field).max()
+    assert not field.isel(y=0).any() and abs(field.isel(position=-1)).max() < 1e-12 * abs(
+        field).max()
     assert areal.field(slice(0, 1e-4)).dims == ("time", "y", "position")
     assert areal.field(0.0, body="slider").dims == ("y", "position")
 
@@ -91,7 +97,8 @@ def test_the_gap_is_closed_at_the_nodes_in_contact(areal):
     for i in range(counted.sizes["time"]):
         gap = maps.gap(areal, float(counted.time[i]))
         assert gap.shape == (30, 41) and int((gap <= 0).sum()) == int(counted.nodes[i])
-        assert stiffness * float(-gap.where(gap < 0).sum()) == pytest.approx(float(counted.force[i]), rel=1e-5)
+        assert stiffness * float(-gap.where(gap < 0).sum()) == pytest.approx(
+            float(counted.force[i]), rel=1e-5)
 
 
 def test_motion_is_shown_at_a_time(areal):
@@ -112,10 +119,12 @@ def test_pages_have_the_maps(areal, folder):
 def test_pages_say_what_was_requested(areal):
     facts = dict(page_words.requested(areal.scene.content()))
     assert "pinned plate" in facts["resonator"] and "Poisson" in facts["resonator"]
-    assert "free block" in facts["slider"] and "across; the slider's side at 99.25 mm" in facts["spacing"]
+    assert "free block" in facts[
+        "slider"] and "across; the slider's side at 99.25 mm" in facts["spacing"]
 
 
-@pytest.mark.parametrize("what", ["overview", "profiles", "force", "spectrum", "shocks", "level", "energy", "bands", "shock", "motion"])
+@pytest.mark.parametrize("what", ["overview", "profiles", "force", "spectrum", "shocks", "level",
+                                  "energy", "bands", "shock", "motion"])
 def test_pictures_are_drawn(areal, what):
     assert areal.plot(what).axes
 
@@ -131,17 +140,21 @@ def test_uncertainty_takes_other_seeds_and_halves_both_spacings(areal, folder):
     assert budget.table.index.tolist() == ["chance", "tolerance", "spacing", "modes", "stiffness"]
     assert budget.level.low < budget.level < budget.level.high
     assert len(set(budget.realisations["slider"])) == 2
-    assert {"scene.spacing", "scene.spacing_y"} <= set(re.findall(r"scene\.\w+", budget.study.attrs["study"]))
+    assert {"scene.spacing", "scene.spacing_y"} <= set(re.findall(r"scene\.\w+",
+                                                                  budget.study.attrs["study"]))
     assert "7.5e-05" in budget.study.attrs["study"]
 
 
 def test_uncertainty_takes_measured_maps(areal, folder):
     np.save(folder / "map.npy", areal.profile("slider").values)
-    measured = areal.scene.change({"slider.surface": {"kind": "file", "path": str(folder / "map.npy"),
+    measured = areal.scene.change({"slider.surface": {"kind": "file",
+                                                      "path": str(folder / "map.npy"),
                                                       "spacing": 50e-6, "spacing_y": 50e-6}})
     budget = ra2d.uncertainty(measured, seeds=3, folder=folder / "measured", show=False)
-    assert budget.realisations["slider"].tolist() == ["as measured", "mirror image", "mirror image across"]
-    assert "spacing" not in budget.table.index and any("node for node" in note for note in budget.notes)
+    assert budget.realisations["slider"].tolist() == ["as measured", "mirror image",
+                                                      "mirror image across"]
+    assert "spacing" not in budget.table.index and any("node for node" in note
+                                                       for note in budget.notes)
     assert np.isfinite(budget.runs.level).all()
 
 
@@ -152,8 +165,10 @@ def test_arrays_are_maps(areal, folder):
     taken = face.heights(0.004, 50e-6, width=0.002, spacing_y=100e-6)
     assert taken.dims == ("y", "position")
     assert np.allclose(taken.values, (z - z.mean())[:20, :81], rtol=0, atol=1e-20)  # some roundings
-    for refused in (lambda: ra2d.surface.array(z, 50e-6, spacing_y=0), lambda: ra2d.surface.array(z[0], 50e-6, spacing_y=1e-4),
-                    lambda: ra2d.surface.array(z[:1], 50e-6), lambda: ra2d.surface.array(z, 50e-6, folder / "face.csv"),
+    for refused in (lambda: ra2d.surface.array(z, 50e-6, spacing_y=0),
+                    lambda: ra2d.surface.array(z[0], 50e-6, spacing_y=1e-4),
+                    lambda: ra2d.surface.array(z[:1], 50e-6),
+                    lambda: ra2d.surface.array(z, 50e-6, folder / "face.csv"),
                     lambda: face.heights(0.004, 50e-6)):
         with pytest.raises(ra2d.RequestError):
             refused()
@@ -162,20 +177,26 @@ def test_arrays_are_maps(areal, folder):
 def test_measured_maps_have_other_parts_mirror_images_and_surrogates(folder):
     random = np.random.default_rng(1)
     z = 1e-6 * ndimage.gaussian_filter(random.normal(size=(70, 90)), 3)
-    scene = ra2d.scene("areal").change({"slider.length": 2e-3, "slider.width": 1.5e-3, "duration": 1e-3,
-                                        "spacing": 50e-6, "slider.surface": ra2d.surface.array(z, 50e-6, folder / "z.npy")})
+    scene = ra2d.scene("areal").change({"slider.length": 2e-3, "slider.width": 1.5e-3,
+                                        "duration": 1e-3,
+                                        "spacing": 50e-6,
+                                        "slider.surface":
+                                        ra2d.surface.array(z, 50e-6, folder / "z.npy")})
     _, found = realisations.of_scene(scene, scene.complete(), 9, folder)
     kinds = [pair[1].kind for pair in found]
     # 41 of 90 nodes and 30 of 70 rows are touched: two parts across, two along, none overlaps
-    assert kinds == ["as measured", "offset 2.05 and 0 mm", "offset 0 and 1.5 mm", "offset 2.05 and 1.5 mm",
+    assert kinds == ["as measured", "offset 2.05 and 0 mm", "offset 0 and 1.5 mm",
+                     "offset 2.05 and 1.5 mm",
                      "mirror image", "mirror image across", "turned", "surrogate 1", "surrogate 2"]
     maps_of = [np.load(pair[1].value)[:30, :41] for pair in found]
     z = z - z.mean()
-    for made, part in zip(maps_of, [z[:30, :41], z[:30, 41:82], z[30:60, :41], z[30:60, 41:82], z[:30, 40::-1],
+    for made, part in zip(maps_of, [z[:30, :41], z[:30, 41:82], z[30:60, :41], z[30:60, 41:82],
+                                    z[:30, 40::-1],
                                     z[29::-1, :41], z[29::-1, 40::-1]]):
         assert np.allclose(made, part, rtol=0, atol=1e-20)  # some roundings
     whole = np.load(found[-1][1].value)
-    assert abs(whole.std() / z.std() - 1) < found[-1][1].distribution_error < 0.2  # the map is small
+    # the map is small
+    assert abs(whole.std() / z.std() - 1) < found[-1][1].distribution_error < 0.2
     assert abs(np.corrcoef(whole.ravel(), z.ravel())[0, 1]) < 0.5
 
 

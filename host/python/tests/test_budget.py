@@ -16,7 +16,8 @@ from ra2d.student import student_factor
 
 @pytest.fixture(scope="module")
 def budget(base, folder):
-    return ra2d.uncertainty(base.change(duration=0.05, rate=1e4), seeds=4, folder=folder / "budget", show=False)
+    return ra2d.uncertainty(base.change(duration=0.05, rate=1e4), seeds=4,
+                            folder=folder / "budget", show=False)
 
 
 @pytest.fixture(scope="module")
@@ -25,8 +26,10 @@ def measured(base, folder):
     taken off."""
     x = np.arange(0, 0.0455, 2e-6)
     random = np.random.default_rng(5)
-    z = sum(3e-6 / k * np.sin(2 * np.pi * k * x / 2.1e-3 + random.uniform(0, 6)) for k in range(1, 9)) + 1e-3 * x
-    face = ra2d.surface.array(z, 2e-6, folder / "trace.csv", form="line", filter="gaussian", cutoff=2.5e-3)
+    z = sum(3e-6 / k * np.sin(2 * np.pi * k * x / 2.1e-3 + random.uniform(0, 6))
+            for k in range(1, 9)) + 1e-3 * x
+    face = ra2d.surface.array(z, 2e-6, folder / "trace.csv", form="line", filter="gaussian",
+                              cutoff=2.5e-3)
     return base.change({"slider.surface": face}, duration=0.02, rate=1e4)
 
 
@@ -36,11 +39,13 @@ def of_measured(measured, folder):
 
 
 def test_seeds_are_those_of_a_study_and_chance_is_its_interval(budget, base, folder):
-    runs = ra2d.study(base.change(duration=0.05, rate=1e4), {"tolerance": [1e-6]}, seeds=4, folder=folder / "seeds",
+    runs = ra2d.study(base.change(duration=0.05, rate=1e4), {"tolerance": [1e-6]}, seeds=4,
+                      folder=folder / "seeds",
                       show=False)
     options = runs.means().iloc[0]
     assert budget.level == pytest.approx(options.level, abs=1e-9)
-    assert budget.table.level["chance"] == pytest.approx(options.level_high - options.level, rel=1e-9)
+    assert budget.table.level["chance"] == pytest.approx(options.level_high
+                                                         - options.level, rel=1e-9)
 
 
 def test_shifts_are_paired_and_the_whole_is_their_sum_of_squares(budget):
@@ -69,7 +74,8 @@ def test_text_json_and_csv_say_the_same(budget, folder):
     assert messages["quantities"]["level"]["value"] == budget.level and not messages["notes"]
     rows = list(csv.DictReader(budget.to_csv(folder / "b.csv").open()))
     assert [row["source"] for row in rows] == [source["source"] for source in messages["sources"]]
-    assert float(rows[1]["level_dB"]) == messages["sources"][1]["level"]["shift"] == budget.table.level.iloc[1]
+    assert float(rows[1]["level_dB"]) == messages["sources"][1]["level"][
+        "shift"] == budget.table.level.iloc[1]
     assert f"{budget.level:.1f} dB" in budget.text() and "±" in budget.text()
     with pytest.raises(ra2d.FileError, match="no folder"):
         budget.to_csv(folder / "no" / "b.csv")
@@ -89,14 +95,18 @@ def test_the_other_step_is_twice_where_it_is_stable():
 def test_sources_are_seen_at_twice_the_step(folder):
     """Runs with fixed steps: each source against the runs at twice the step, the step against the
     scene's own."""
-    fixed = ra2d.scene("dang2012").change(scheme="backward-euler", step=1e-7, duration=0.005, rate=1e4)
+    fixed = ra2d.scene("dang2012").change(scheme="backward-euler", step=1e-7,
+                                          duration=0.005, rate=1e4)
     found = ra2d.uncertainty(fixed, seeds=3, folder=folder / "fixed", show=False)
-    assert found.table["changed to"].to_dict() == {"chance": "3 realisations", "step": "twice", "spacing": "half",
-                                                   "modes": "half as many more", "stiffness": "twice"}
+    assert found.table["changed to"].to_dict() == {"chance": "3 realisations", "step": "twice",
+                                                   "spacing": "half",
+                                                   "modes": "half as many more",
+                                                   "stiffness": "twice"}
     by = found.runs.set_index(["source", "realisation"]).level
     assert found.table.level["step"] == pytest.approx((by["step"] - by["as asked"]).mean())
     assert found.table.level["spacing"] == pytest.approx((by["spacing"] - by["step"]).mean())
-    one = ra2d.run(fixed, {"contact.stiffness": 2e15, "time.step": 2e-7}, output=folder / "stiff.h5", show=False)
+    one = ra2d.run(fixed, {"contact.stiffness": 2e15, "time.step": 2e-7},
+                   output=folder / "stiff.h5", show=False)
     assert by["stiffness", 1] == pytest.approx(one.level, abs=1e-9)
 
 
@@ -104,7 +114,8 @@ def test_the_largest_step_is_what_the_plan_says():
     """Contact of one node on its spring, k = 2 pi f: no step beyond a period, none below a
     thousandth of it."""
     assert 0 < budgets._largest_step(ra2d.scene("dang2012").plan()) < 1e-4
-    assert budgets._largest_step(ra2d.scene("dang2012").change(contact_force="new").plan()) == math.inf
+    assert budgets._largest_step(
+        ra2d.scene("dang2012").change(contact_force="new").plan()) == math.inf
     assert budgets._largest_step("nothing of it") == 0
 
 
@@ -113,7 +124,8 @@ def test_the_largest_step_is_what_the_plan_says():
 
 def test_measured_faces_have_offsets_then_the_mirror_then_surrogates(of_measured):
     """45.5 mm less a cut-off of 2.5 mm leave 43 mm: two stretches of 20 mm."""
-    assert of_measured.realisations["slider"].tolist() == ["as measured", "offset 20 mm", "mirror image", "surrogate 1",
+    assert of_measured.realisations["slider"].tolist() == ["as measured", "offset 20 mm",
+                                                           "mirror image", "surrogate 1",
                                                            "surrogate 2"]
     assert of_measured.realisations["resonator"].tolist()[:2] == ["seed 2", "seed 1002"]
     assert of_measured.level.low < of_measured.level < of_measured.level.high
@@ -123,7 +135,8 @@ def test_measured_faces_have_offsets_then_the_mirror_then_surrogates(of_measured
 
 
 def faces_of(study_folder, kind):
-    return np.loadtxt(study_folder / "faces" / f"slider-{kind}.csv", delimiter=",", skiprows=1)[:, 1]
+    return np.loadtxt(study_folder / "faces" / f"slider-{kind}.csv", delimiter=",",
+                      skiprows=1)[:, 1]
 
 
 def test_realisations_are_of_the_heights_that_a_run_has(of_measured, measured, folder):
@@ -131,13 +144,17 @@ def test_realisations_are_of_the_heights_that_a_run_has(of_measured, measured, f
     ran = ra2d.run(measured, output=folder / "with-face.h5", show=False)
     place = folder / "of-measured"
     options = faces_of(place, "as-measured")
-    assert np.allclose(options[::2] - options[::2].mean(), ran.profile("slider").values, atol=1e-15, rtol=0)
+    assert np.allclose(options[::2] - options[::2].mean(), ran.profile("slider").values,
+                       atol=1e-15, rtol=0)
     assert np.array_equal(faces_of(place, "mirror-image"), options[::-1])
     level = of_measured.runs.set_index(["source", "realisation"]).level["as asked", 1]
-    assert level == pytest.approx(ran.level, abs=0.5)  # a rounding of heights makes other trajectories
+    # a rounding of heights makes other trajectories
+    assert level == pytest.approx(ran.level, abs=0.5)
     moved = faces_of(place, "offset-20-mm")
-    whole = ra2d.surface.Surface(measured.complete()["slider"]["surface"]).heights(0.042, 4e-6).values
-    assert np.allclose(moved - moved.mean(), whole[5000:10001] - whole[5000:10001].mean(), atol=1e-15)
+    whole = ra2d.surface.Surface(measured.complete()["slider"]["surface"]).heights(0.042,
+                                                                                   4e-6).values
+    assert np.allclose(moved - moved.mean(),
+                       whole[5000:10001] - whole[5000:10001].mean(), atol=1e-15)
 
 
 def test_surrogates_keep_spectrum_and_heights(of_measured, folder):
@@ -153,11 +170,14 @@ def test_surrogates_keep_spectrum_and_heights(of_measured, folder):
     # the surrogate's own ends differ, so its line is that of the face
     y = off_line(one)
     made = other - np.linspace(one[0], one[-1], one.size)
-    assert np.allclose(np.abs(np.fft.rfft(made - made.mean())), np.abs(np.fft.rfft(y)), atol=1e-9 * np.abs(np.fft.rfft(y)).max())
+    assert np.allclose(np.abs(np.fft.rfft(made - made.mean())), np.abs(np.fft.rfft(y)),
+                       atol=1e-9 * np.abs(np.fft.rfft(y)).max())
     rq = y.std()
-    assert np.sqrt(((np.sort(made) - np.sort(one - np.linspace(one[0], one[-1], one.size))) ** 2).mean()) < 0.03 * rq
+    assert np.sqrt(((np.sort(made) - np.sort(one - np.linspace(one[0], one[-1], one.size)))
+                    ** 2).mean()) < 0.03 * rq
     assert abs(np.corrcoef(made, y)[0, 1]) < 0.6  # another profile
-    assert np.diff(made).std() == pytest.approx(np.diff(y).std(), rel=1e-3)  # no noise between nodes
+    # no noise between nodes
+    assert np.diff(made).std() == pytest.approx(np.diff(y).std(), rel=1e-3)
 
 
 def test_a_surrogate_of_skewed_heights_stays_skewed():
@@ -171,7 +191,8 @@ def test_a_surrogate_of_skewed_heights_stays_skewed():
         return ((y - y.mean()) ** 3).mean() / y.std() ** 3
 
     made, error = realisations.surrogate(z, 4)
-    assert skewness(made) == pytest.approx(skewness(z), rel=0.1) and skewness(z) > 1.5 and error < 0.03
+    assert skewness(made) == pytest.approx(skewness(z),
+                                           rel=0.1) and skewness(z) > 1.5 and error < 0.03
     assert np.array_equal(made, realisations.surrogate(z, 4)[0])  # the same call goes on
 
 
@@ -197,7 +218,8 @@ def test_a_resonator_that_is_as_long_as_its_trace_has_offsets_within_it():
 def test_a_short_profile_that_is_repeated_has_no_offsets(base, folder):
     z = 2e-6 * np.sin(np.arange(3000) / 40)
     face = ra2d.surface.array(z, 2e-6, folder / "short.csv", short="repeat")
-    found = ra2d.uncertainty(base.change({"slider.surface": face}, duration=0.005, rate=1e4), seeds=3,
+    found = ra2d.uncertainty(base.change({"slider.surface": face}, duration=0.005,
+                                         rate=1e4), seeds=3,
                              folder=folder / "repeated", show=False)
     assert found.realisations["slider"].tolist() == ["as measured", "mirror image", "surrogate 1"]
 
@@ -207,7 +229,8 @@ def test_a_short_profile_that_is_repeated_has_no_offsets(base, folder):
 
 def test_runs_without_shocks_and_rigid_resonators(base, folder):
     """What does not exist is told, and no interval is made of it."""
-    apart = base.change({"scene.gap": 1e-3, "slider.load": 0.0, "scene.initial": "rest"}, duration=0.005, rate=1e4)
+    apart = base.change({"scene.gap": 1e-3, "slider.load": 0.0, "scene.initial": "rest"},
+                        duration=0.005, rate=1e4)
     none = ra2d.uncertainty(apart, seeds=2, folder=folder / "apart", show=False)
     assert math.isnan(none.shock_rate) and "no run has a rate of shocks" in none.text()
     assert json.loads(none.to_json())["quantities"]["shock_rate"]["value"] is None
@@ -232,18 +255,22 @@ def test_wrong_requests(base, folder):
     for seeds in (1, 2.5, "3", None):
         with pytest.raises(ra2d.RequestError, match="seeds = "):
             ra2d.uncertainty(base, seeds=seeds)
-    smooth = base.change({"resonator.surface": {"kind": "flat"}, "slider.surface": {"kind": "flat"}}, duration=0.01)
-    with pytest.raises(ra2d.RequestError, match="neither face of this scene is random.*gaussian.*'start'"):
+    smooth = base.change({"resonator.surface": {"kind": "flat"},
+                          "slider.surface": {"kind": "flat"}}, duration=0.01)
+    with pytest.raises(ra2d.RequestError,
+                       match="neither face of this scene is random.*gaussian.*'start'"):
         ra2d.uncertainty(smooth, seeds=2, folder=folder / "smooth", show=False)
     level = ra2d.surface.array(np.zeros(20_000), 2e-6, folder / "level.csv")
     with pytest.raises(ra2d.RequestError, match="measured and rough"):
-        ra2d.uncertainty(smooth.change({"slider.surface": level}), seeds=2, folder=folder / "smooth", show=False)
+        ra2d.uncertainty(smooth.change({"slider.surface": level}), seeds=2,
+                         folder=folder / "smooth", show=False)
     rough = ra2d.surface.array(1e-6 * np.sin(np.arange(20_000) / 90), 2e-6, folder / "rough.csv")
     (folder / "taken").mkdir()
     (folder / "taken" / "faces").write_text("a file")
     for place in (folder / "taken", "/proc/budget"):
         with pytest.raises(ra2d.FileError, match="cannot make the folder"):
-            ra2d.uncertainty(smooth.change({"slider.surface": rough}), seeds=2, folder=place, show=False)
+            ra2d.uncertainty(smooth.change({"slider.surface": rough}), seeds=2,
+                             folder=place, show=False)
     assert not (folder / "smooth.toml").exists() and not (folder / "smooth").exists()
     with pytest.raises(ra2d.FileError, match="there is no folder"):
         ra2d.uncertainty(base, folder=folder / "no" / "budget")

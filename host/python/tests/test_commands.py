@@ -23,10 +23,12 @@ def _warm(warm):
 
 
 def ra2d(folder, *words, environment=None, shell=None, text=True):
-    command = ["/bin/sh", "-c", shell, str(program.find()), *words] if shell else [program.find(), *words]
+    command = ["/bin/sh", "-c", shell, str(program.find()),
+               *words] if shell else [program.find(), *words]
     if environment is None:
         environment = {} if shell else WARM
-    return subprocess.run(command, cwd=folder, capture_output=True, text=text, env=os.environ | environment)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=text,
+                          env=os.environ | environment)
 
 
 @pytest.fixture
@@ -38,7 +40,8 @@ def place(small, tmp_path):
 @pytest.fixture(scope="session")
 def small(base, folder):
     import ra2d as package
-    return package.run(base, {"output.probes": [0.15]}, duration=0.01, output=folder / "small.h5", show=False)
+    return package.run(base, {"output.probes": [0.15]}, duration=0.01,
+                       output=folder / "small.h5", show=False)
 
 
 def names(place):
@@ -48,7 +51,8 @@ def names(place):
 def test_sound_of_a_run(place):
     said = ra2d(place, "sound", "out.h5", "--slow", "2", environment={})
     assert said.returncode == 0 and said.stderr == ""
-    assert "m/s" in said.stdout and "20 ms, 961 samples" in said.stdout and "out.wav.json" in said.stdout
+    assert ("m/s" in said.stdout and "20 ms, 961 samples" in said.stdout
+            and "out.wav.json" in said.stdout)
     assert soundfile.info(place / "out.wav").frames == 961
     assert json.loads((place / "out.wav.json").read_text())["file"] == "out.wav"
     before = (place / "out.wav").read_bytes()
@@ -56,10 +60,13 @@ def test_sound_of_a_run(place):
     assert (place / "out.wav").read_bytes() == before
     assert ra2d(place, "sound", "out.h5", "--bits", "float", "-o", "f.WAV").returncode == 0
     assert soundfile.info(place / "f.WAV").subtype == "FLOAT"
-    for wrong in (("--bits", "16", "-o", "x.flac"), ("--bits", "8"), ("-o", "x.mp3"), ("--probe", "2"), ("--rate", "1"),
-                  ("--full-scale", "1", "--normalize"), ("--probe", "99999999999999999999"), ("--to", "7")):
+    for wrong in (("--bits", "16", "-o", "x.flac"), ("--bits", "8"), ("-o", "x.mp3"),
+                  ("--probe", "2"), ("--rate", "1"),
+                  ("--full-scale", "1", "--normalize"), ("--probe", "99999999999999999999"),
+                  ("--to", "7")):
         said = ra2d(place, "sound", "out.h5", *wrong)
-        assert said.returncode == 2 and said.stdout == "" and wrong[1] in said.stderr or wrong[0] in said.stderr
+        assert said.returncode == 2 and said.stdout == "" and wrong[1] in said.stderr or wrong[
+            0] in said.stderr
     assert names(place) == ["f.WAV", "f.WAV.json", "out.h5", "out.wav", "out.wav.json"]
 
 
@@ -122,15 +129,18 @@ def test_a_name_that_is_no_utf_8(place):
                   (b"report", name, b"-o", b"\xff.html")):
         said = ra2d(place, *words, text=False)
         assert said.returncode == 0, said.stderr
-    assert sorted(os.listdir(os.fsencode(place))) == [b"\xff.html", b"\xff.svg", b"\xff.wav", b"\xff.wav.json", name]
+    assert sorted(os.listdir(os.fsencode(place))) == [b"\xff.html", b"\xff.svg", b"\xff.wav",
+                                                      b"\xff.wav.json", name]
 
 
-@pytest.mark.parametrize("library, package, commands", [("matplotlib", "python3-matplotlib", ["sound", "report"]),
-                                                        ("soundfile", "python3-soundfile", ["plot"])])
+@pytest.mark.parametrize("library, package, commands",
+                         [("matplotlib", "python3-matplotlib", ["sound", "report"]),
+                          ("soundfile", "python3-soundfile", ["plot"])])
 def test_without_a_library_nothing_is_left_but_the_cure(place, library, package, commands):
     (place / f"{library}.py").write_text("raise ImportError\n")
     for command in commands:
-        said = ra2d(place, command, "out.h5", environment={"PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
+        said = ra2d(place, command, "out.h5",
+                    environment={"PYTHONPATH": str(place), "PYTHONDONTWRITEBYTECODE": "1"})
         assert said.returncode == 4 and f"apt-get install {package}" in said.stderr
         assert said.stderr.count("\n") == 1 and names(place) == sorted([f"{library}.py", "out.h5"])
 
@@ -150,13 +160,17 @@ def test_every_locale_reads_and_prints_alike(place, locale):
     assert said.returncode == 0 and "\u00b5N s" in said.stdout
 
 
-@pytest.mark.parametrize("script, words", [("kill -9 $$", "signal 9 ended Python"), ("exit 1", "ended with status 1")])
+@pytest.mark.parametrize("script, words",
+                         [("kill -9 $$", "signal 9 ended Python"),
+                          ("exit 1", "ended with status 1")])
 def test_python_that_ends_without_a_word(place, script, words):
     (place / "python3").write_text(f"#!/bin/sh\n{script}\n")
     (place / "python3").chmod(0o755)
     for command, made in (("plot", "x.png"), ("sound", "x.wav"), ("report", "x.html")):
-        said = ra2d(place, command, "out.h5", "-o", made, environment={"PATH": f"{place}:{os.environ['PATH']}"})
-        assert said.returncode == 4 and words in said.stderr and names(place) == ["out.h5", "python3"]
+        said = ra2d(place, command, "out.h5", "-o", made,
+                    environment={"PATH": f"{place}:{os.environ['PATH']}"})
+        assert said.returncode == 4 and words in said.stderr and names(place) == [
+            "out.h5", "python3"]
 
 
 def test_scenes_by_name(place):
@@ -176,7 +190,8 @@ def test_without_python(place):
 # ---- uncertainty and compare
 # --------------------------------------------------------------------------
 
-SMALL = ("--set", "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set", "scene.duration=0.02", "--set",
+SMALL = ("--set", "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set",
+         "scene.duration=0.02", "--set",
          "output.rate=1e4")
 
 
@@ -187,22 +202,26 @@ def dang():
 
 
 def test_uncertainty_prints_the_packages_budget(place, dang):
-    said = ra2d(place, "uncertainty", dang, "--seeds", "3", "--csv", "table.csv", "--quiet", *SMALL, environment={})
+    said = ra2d(place, "uncertainty", dang, "--seeds", "3", "--csv", "table.csv", "--quiet", *SMALL,
+                environment={})
     assert said.returncode == 0 and said.stderr == ""
     import ra2d as package
-    same = package.uncertainty(package.scene("dang2012").change(duration=0.02, tolerance=1e-6, rate=1e4), seeds=3,
+    same = package.uncertainty(package.scene("dang2012").change(duration=0.02, tolerance=1e-6,
+                                                                rate=1e4), seeds=3,
                                folder=place / "again", show=False)
     assert said.stdout == same.text() + "\n" and (place / "table.csv").read_text() == same.csv()
     assert (place / "dang2012-uncertainty" / "results.h5").is_file()
     messages = ra2d(place, "uncertainty", dang, "--seeds", "3", "--json", "--threads", "1", *SMALL)
     assert json.loads(messages.stdout) == json.loads(same.to_json())
-    assert "stiffness" in messages.stderr and messages.stderr.count("half-spaces") <= 2  # doubts of the scene, told by the program
+    # doubts of the scene, told by the program
+    assert "stiffness" in messages.stderr and messages.stderr.count("half-spaces") <= 2
 
 
 def test_uncertainty_refuses_what_is_wrong(place, dang):
     shutil.copy(dang, place / "s.toml")
     before = names(place)
-    for words, status, said in ((("s.toml", "--seeds", "1"), 2, "from 2 to 1000"), (("no.toml",), 4, "no.toml"),
+    for words, status, said in ((("s.toml", "--seeds", "1"), 2, "from 2 to 1000"),
+                                (("no.toml",), 4, "no.toml"),
                                 (("s.toml", "--set", "scene.speed=fast"), 2, "number >= 0"),
                                 (("s.toml", "--csv", "s.toml"), 2, "overwritten"),
                                 (("s.toml", "-o", "no/folder"), 4, "Make it first"),
@@ -210,7 +229,8 @@ def test_uncertainty_refuses_what_is_wrong(place, dang):
                                   'resonator.surface={kind="flat"}'), 2, "neither face")):
         ended = ra2d(place, "uncertainty", *words)
         assert ended.returncode == status and said in ended.stderr and ended.stdout == "", words
-    assert names(place) == before and (place / "s.toml").read_text() == pathlib.Path(dang).read_text()
+    assert names(place) == before and (place / "s.toml").read_text() == pathlib.Path(
+        dang).read_text()
 
 
 def test_compare_prints_the_packages_comparison(place, result, study):
@@ -224,23 +244,27 @@ def test_compare_prints_the_packages_comparison(place, result, study):
     (place / "broken.h5").write_bytes((place / "out.h5").read_bytes()[:5000])
     for other, status in (("no.h5", 4), ("broken.h5", 4), (str(study.folder), 2), (".", 2)):
         ended = ra2d(place, "compare", "out.h5", other)
-        assert ended.returncode == status and ended.stderr.startswith("ra2d: ") and "Traceback" not in ended.stderr
+        assert ended.returncode == status and ended.stderr.startswith(
+            "ra2d: ") and "Traceback" not in ended.stderr
         assert ended.stdout == "", other
 
 
 def test_plot_takes_a_stretch_and_a_shock(place, result):
     shutil.copy(result.path, place / "long.h5")
-    for words in (("--what", "waterfall", "--from", "0.2", "--to", "0.4"), ("--what", "shock", "--shock", "7")):
+    for words in (("--what", "waterfall", "--from", "0.2", "--to", "0.4"),
+                  ("--what", "shock", "--shock", "7")):
         ended = ra2d(place, "plot", "long.h5", *words, "-o", "x.png")
         assert ended.returncode == 0 and ended.stderr == "", ended.stderr
         assert (place / "x.png").read_bytes().startswith(b"\x89PNG")
     shown = package_picture(result, what="force", start=0.2, stop=0.3)
-    assert ra2d(place, "plot", "long.h5", "--what", "force", "--from", "0.2", "--to", "0.3", "-o", "f.svg").returncode == 0
+    assert ra2d(place, "plot", "long.h5", "--what", "force", "--from", "0.2", "--to", "0.3", "-o",
+                "f.svg").returncode == 0
     assert (place / "f.svg").read_bytes() == shown.replace(b"cube.h5", b"long.h5")
     (place / "x.png").unlink()
     for words, said in ((("--from", "5"), "there is nothing"), (("--shock", "3"), "--what shock"),
                         (("--what", "shock", "--shock", "999999"), "numbers 0 to"),
-                        (("--what", "shock", "--shock", "-1"), "--shock"), (("--from", "-1"), "--from")):
+                        (("--what", "shock", "--shock", "-1"), "--shock"),
+                        (("--from", "-1"), "--from")):
         ended = ra2d(place, "plot", "long.h5", *words, "-o", "x.png")
         assert ended.returncode == 2 and said in ended.stderr and not (place / "x.png").exists()
 
@@ -250,7 +274,8 @@ def package_picture(of, **words):
 
 
 def test_stretches_are_refused_where_there_is_no_time(place, study, profile):
-    for files, words in (((profile, "--x-unit", "mm", "--z-unit", "um"), ("--from", "0.1")), ((study.folder,), ("--to", "1")),
+    for files, words in (((profile, "--x-unit", "mm", "--z-unit", "um"), ("--from", "0.1")),
+                         ((study.folder,), ("--to", "1")),
                          ((study.folder,), ("--shock", "1"))):
         ended = ra2d(place, "plot", *files, *words, "-o", "x.png")
         assert ended.returncode == 2 and f"{words[0]} is of results" in ended.stderr

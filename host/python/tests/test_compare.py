@@ -20,12 +20,15 @@ DOCS = pathlib.Path(__file__).resolve().parents[3] / "docs"
 @pytest.fixture(scope="module")
 def other(base, folder):
     """The same faces and way, a contact half as stiff."""
-    return ra2d.run(base, {"contact.stiffness": 5e14, "output.probes": [0.15, 0.152]}, output=folder / "soft.h5", show=False)
+    return ra2d.run(base, {"contact.stiffness": 5e14, "output.probes": [0.15, 0.152]},
+                    output=folder / "soft.h5", show=False)
 
 
 def test_units_are_those_of_the_page():
     page = (DOCS / "scene.md").read_text()
-    for name, unit in re.findall(r"^\| `(\w+)` \|.*?(?:number|numbers)[^|,]*(?:, at most [^|,]*)?, ([A-Za-z/^0-9]+)(?:,| \|)", page, re.M):
+    for name, unit in re.findall(
+        r"^\| `(\w+)` \|.*?(?:number|numbers)[^|,]*(?:, at most [^|,]*)?, "
+        r"([A-Za-z/^0-9]+)(?:,| \|)", page, re.M):
         assert scenes.UNITS.get(name) == unit, name
     assert scenes.UNITS["speed"] == "m/s" and scenes.UNITS["probes"] == "m"
 
@@ -42,7 +45,8 @@ def test_scenes_differ_key_by_key_with_units(base):
 
 def test_a_result_does_not_differ_from_itself(result):
     found = ra2d.compare(result, result.path)
-    assert found.scene.empty and (found.answers.difference == 0).all() and (found.answers.chance == 1).all()
+    assert found.scene.empty and (found.answers.difference
+                                  == 0).all() and (found.answers.chance == 1).all()
     assert not found.answers.differs.any() and not (found.bands.differs == True).any()  # noqa: E712
     assert "the scenes are the same" in found.text()
 
@@ -55,7 +59,8 @@ def test_answers_are_the_programs_and_differences_their_ratios(result, other):
     ratio = b["shocks"]["duration"]["median"] / a["shocks"]["duration"]["median"]
     assert found.answers.difference["duration of a shock"] == pytest.approx(100 * math.log(ratio))
     at = a["bands"]["nominal"].index("1000")
-    assert found.bands.difference["1000"] == pytest.approx(b["bands"]["level"][at] - a["bands"]["level"][at], abs=1e-9)
+    assert found.bands.difference["1000"] == pytest.approx(b["bands"]["level"][at]
+                                                           - a["bands"]["level"][at], abs=1e-9)
 
 
 def test_half_the_stiffness_makes_longer_shocks_at_the_same_level(result, other):
@@ -87,10 +92,13 @@ def test_other_faces_are_told_and_not_taken_in_pairs(result, base, folder):
     found = ra2d.compare(result, seed)
     assert "Welch" in found.test and "faces differ" in found.notes[0]
     assert found.scene.loc["slider.surface.seed"].tolist() == [1, 9, ""]
-    soft = ra2d.run(base, {"slider.surface.seed": 9, "contact.stiffness": 1e14}, output=folder / "soft9.h5", show=False)
+    soft = ra2d.run(base, {"slider.surface.seed": 9, "contact.stiffness": 1e14},
+                    output=folder / "soft9.h5", show=False)
     far = ra2d.compare(result, soft)
-    assert far.answers.chance["duration of a shock"] < 1e-4 and far.answers.differs["duration of a shock"] is None
-    assert "but the faces differ" in far.text() and not (far.bands.differs == True).any()  # noqa: E712
+    assert far.answers.chance["duration of a shock"] < 1e-4 and far.answers.differs[
+        "duration of a shock"] is None
+    # noqa: E712
+    assert "but the faces differ" in far.text() and not (far.bands.differs == True).any()
 
 
 def test_measured_faces_are_known_by_their_heights(base, folder):
@@ -100,7 +108,8 @@ def test_measured_faces_are_known_by_their_heights(base, folder):
 
     def ran(name, profile, height):
         face = ra2d.surface.array(height * np.sin(x / 90), 2e-6, folder / profile)
-        return ra2d.run(base, {"slider.surface": face}, duration=0.01, output=folder / name, show=False)
+        return ra2d.run(base, {"slider.surface": face}, duration=0.01,
+                        output=folder / name, show=False)
 
     one, copy = ran("m1.h5", "one.csv", 2e-6), ran("m2.h5", "two.csv", 2e-6)
     assert ra2d.compare(one, copy).notes == [] and "in pairs" in ra2d.compare(one, copy).test
@@ -111,25 +120,31 @@ def test_measured_faces_are_known_by_their_heights(base, folder):
 
 @pytest.fixture(scope="module")
 def sets(base, folder):
-    return {v: [ra2d.run(base, {"slider.surface.seed": k}, speed=v, duration=0.05, output=folder / f"set-{v}-{k}.h5",
+    return {v: [ra2d.run(base, {"slider.surface.seed": k}, speed=v, duration=0.05,
+                         output=folder / f"set-{v}-{k}.h5",
                          show=False) for k in range(4)] for v in (0.1, 0.4)}
 
 
 def test_sets_are_paired_by_their_faces_in_any_order(sets):
     found = ra2d.compare(sets[0.1], sets[0.4][::-1])
-    assert "4 pairs" in found.test and found.answers.differs["level"] and found.scene.index.tolist() == ["scene.speed"]
+    assert "4 pairs" in found.test and found.answers.differs[
+        "level"] and found.scene.index.tolist() == ["scene.speed"]
     levels = np.array([[float(one.level) for one in side] for side in sets.values()])
-    assert found.answers.difference["level"] == pytest.approx((levels[1] - levels[0]).mean(), abs=1e-6)
-    assert found.answers.chance["level"] == pytest.approx(ra2d.student.mean_differs(levels[0] - levels[1]), rel=1e-6)
+    assert found.answers.difference["level"] == pytest.approx((levels[1] - levels[0]).mean(),
+                                                              abs=1e-6)
+    assert found.answers.chance["level"] == pytest.approx(
+        ra2d.student.mean_differs(levels[0] - levels[1]), rel=1e-6)
     unlike = ra2d.compare(sets[0.1][:3], sets[0.1][1:])
     assert "Welch" in unlike.test and not unlike.answers.differs.any()
 
 
 def test_studies_are_compared_where_both_have_runs(study, folder, base):
     same = ra2d.compare(study, folder / "small")
-    assert len(same.answers) == 4 * 6 and (same.answers.difference == 0).all() and not same.answers.differs.any()
+    assert len(same.answers) == 4 * 6 and (same.answers.difference
+                                           == 0).all() and not same.answers.differs.any()
     both = ("resonator.surface.rq", "slider.surface.rq")
-    fewer = ra2d.study(base.change(duration=0.02, rate=1e4, stiffness=5e14), {"speed": [0.2, 0.4], both: [8e-6]}, seeds=2,
+    fewer = ra2d.study(base.change(duration=0.02, rate=1e4, stiffness=5e14),
+                       {"speed": [0.2, 0.4], both: [8e-6]}, seeds=2,
                        folder=folder / "fewer", show=False)
     found = ra2d.compare(study, fewer)
     assert len(found.answers) == 4 * 2 and any("values of speed" in note for note in found.notes)
@@ -145,8 +160,10 @@ def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
     independent)."""
     alarms = 0
     for k in range(5):
-        pair = [ra2d.run(base, {"slider.surface.seed": 50 + k, "contact.stiffness": stiffness}, duration=0.8, rate=2e4,
-                         output=folder / f"p{k}-{stiffness!r}.h5", show=False) for stiffness in (1e15, 1.0000001e15)]
+        pair = [ra2d.run(base, {"slider.surface.seed": 50 + k, "contact.stiffness": stiffness},
+                         duration=0.8, rate=2e4,
+                         output=folder / f"p{k}-{stiffness!r}.h5", show=False)
+                for stiffness in (1e15, 1.0000001e15)]
         found = ra2d.compare(*pair)
         assert found.answers.chance.notna().all()
         alarms += int(found.answers.differs.sum())
@@ -168,16 +185,20 @@ def test_json_has_no_nan_and_says_what_the_text_says(result, other):
 
 def test_runs_without_noise_or_shocks(base, folder, result):
     """A rigid resonator has no level, bodies apart no shocks: told, not compared."""
-    rigid = ra2d.run(base, {"resonator.support": "rigid"}, duration=0.3, output=folder / "rigid.h5", show=False)
+    rigid = ra2d.run(base, {"resonator.support": "rigid"}, duration=0.3,
+                     output=folder / "rigid.h5", show=False)
     found = ra2d.compare(result, rigid)
     assert found.answers.why["level"] == "only A has one" and found.answers.differs["level"] is None
     assert math.isnan(found.answers.b["level"]) and "not known: only A has one" in found.text()
     twice = ra2d.compare(rigid, rigid)
-    assert twice.answers.why["level"] == "neither has one" and json.loads(twice.to_json())["answers"][0]["a"] is None
-    still = ra2d.run(base, {"scene.gap": 1e-3, "slider.load": 0.0, "scene.initial": "rest"}, duration=0.3,
+    assert twice.answers.why["level"] == "neither has one" and json.loads(twice.to_json())[
+        "answers"][0]["a"] is None
+    still = ra2d.run(base, {"scene.gap": 1e-3, "slider.load": 0.0, "scene.initial": "rest"},
+                     duration=0.3,
                      output=folder / "apart.h5", show=False)
     found = ra2d.compare(still, still)
-    assert found.answers.a["rate of shocks"] == 0 and found.answers.why["duration of a shock"] == "neither has one"
+    assert found.answers.a["rate of shocks"] == 0 and found.answers.why[
+        "duration of a shock"] == "neither has one"
     assert "third octaves" in found.text() or found.bands.empty
 
 
@@ -193,8 +214,10 @@ def test_short_and_interrupted_runs(base, folder, result):
 
 
 def test_wrong_sides(result, folder, study, tmp_path):
-    for wrong, words in (([], "one or more"), ([1], "not int"), (["dang2012"], "holds results"), (3, "not int"),
-                         ("no.h5", "no such file"), ("nothing-of-it", "no scene 'nothing-of-it'"), (None, "not NoneType")):
+    for wrong, words in (([], "one or more"), ([1], "not int"), (["dang2012"], "holds results"),
+                         (3, "not int"),
+                         ("no.h5", "no such file"), ("nothing-of-it", "no scene 'nothing-of-it'"),
+                         (None, "not NoneType")):
         with pytest.raises(ra2d.Error, match=words):
             ra2d.compare(result, wrong)
     with pytest.raises(ra2d.RequestError, match="several results on both sides"):

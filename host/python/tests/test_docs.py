@@ -18,7 +18,8 @@ def public_names():
                     yield f"{name}.{member}", value
         if inspect.ismodule(thing):
             for member, value in vars(thing).items():
-                if inspect.isfunction(value) and value.__module__ == thing.__name__ and not member.startswith("_"):
+                if inspect.isfunction(
+                    value) and value.__module__ == thing.__name__ and not member.startswith("_"):
                     yield f"{name}.{member}", value
 
 
@@ -34,6 +35,7 @@ def test_a_public_name_has_words_and_an_example(name):
 
 
 def test_the_list_of_public_names_is_whole():
-    assert {"Result.level", "Scene.change", "Study.law", "surface.read", "Sound.save", "run"} <= set(NAMES)
+    assert {"Result.level", "Scene.change", "Study.law", "surface.read", "Sound.save",
+            "run"} <= set(NAMES)
     assert sorted(ra2d.__all__) == sorted(set(ra2d.__all__))
     assert issubclass(ra2d.Study, xr.Dataset)

@@ -9,11 +9,13 @@ from ra2d import program
 
 @pytest.mark.filterwarnings("ignore")
 def test_without_modes_all_else_is_there(base, folder):
-    less = ra2d.run(base, {"output.modes": "none", "output.precision": "float", "output.compression": "deflate"},
+    less = ra2d.run(base, {"output.modes": "none", "output.precision": "float",
+                           "output.compression": "deflate"},
                     output=folder / "less.h5", show=False)
     assert less.level.low < less.level < less.level.high
     assert less.probes.velocity.dtype == np.float32 and less.contact.nodes.dtype == np.int64
-    assert np.isnan(less.spectrum().density).all() and np.isfinite(less.spectrum().density_probe).all()
+    assert np.isnan(less.spectrum().density).all() and np.isfinite(
+        less.spectrum().density_probe).all()
     assert less.shocks.index.name == "shock" and "velocity" not in less.modes()
     with pytest.raises(ra2d.RequestError, match="no motion of the modes"):
         less.field(0.1)
@@ -24,7 +26,8 @@ def test_without_modes_all_else_is_there(base, folder):
 
 def test_a_zoom_has_the_shock(base, folder):
     short = base.change(duration=0.05)
-    program.call("run", short.file(folder), *short.options(), "-o", folder / "zoomed.h5", "--zoom", "strongest=1")
+    program.call("run", short.file(folder), *short.options(), "-o", folder / "zoomed.h5", "--zoom",
+                 "strongest=1")
     whole = ra2d.load(folder / "zoomed.h5")
     shock = whole.shocks.loc[whole.shocks.peak_force.idxmax()]
     zoom = whole.zoom()

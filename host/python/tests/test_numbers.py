@@ -15,7 +15,8 @@ from ra2d import plots
 
 
 def answer(*words):
-    return json.loads(subprocess.run([ra2d.find(), *map(str, words), "--json"], capture_output=True, check=True).stdout)
+    return json.loads(subprocess.run([ra2d.find(), *map(str, words), "--json"], capture_output=True,
+                                     check=True).stdout)
 
 
 def test_level_and_rate_are_those_of_analyze(result):
@@ -37,9 +38,11 @@ def test_spectrum_and_bands_are_those_of_analyze(result):
     messages = answer("analyze", result.path, "--from", 0.2, "--resolution", 50)
     spectrum = result.spectrum(start=0.2, resolution=50.0)
     assert np.array_equal(spectrum.density, messages["spectrum"]["psd_mean"])
-    assert np.array_equal(spectrum.density_probe.sel(position=0.15), messages["spectrum"]["psd_probe"][0])
+    assert np.array_equal(spectrum.density_probe.sel(position=0.15),
+                          messages["spectrum"]["psd_probe"][0])
     bands = result.bands(start=0.2, resolution=50.0, a_weighting=True)
-    assert np.array_equal(bands.level, messages["bands"]["level"]) and (bands.level_a < bands.level).any()
+    assert np.array_equal(bands.level,
+                          messages["bands"]["level"]) and (bands.level_a < bands.level).any()
 
 
 @pytest.mark.parametrize("what", ["displacement", "velocity"])
@@ -49,7 +52,8 @@ def test_field_passes_through_the_probes(result, what):
     field = result.field(slice(0.3, 0.31), what=what)
     probe = result.probes[what].sel(time=slice(0.3, 0.31))
     size = float(abs(probe).max())
-    assert abs(field.sel(position=0.152, method="nearest") - probe.sel(position=0.152)).max() < 1e-12 * size
+    assert abs(field.sel(position=0.152, method="nearest")
+               - probe.sel(position=0.152)).max() < 1e-12 * size
     h, wave = float(field.position[1]), 19 * np.pi / 0.3
     apart = abs(field.interp(position=0.15) - probe.sel(position=0.15)).max()
     assert apart < (h * wave) ** 2 / 8 * float(abs(field).max())
@@ -57,20 +61,24 @@ def test_field_passes_through_the_probes(result, what):
 
 def test_field_takes_the_nearest_sample_and_the_slider(result):
     assert float(result.field(0.1000049).time) == pytest.approx(0.1)
-    assert result.field([0.1, 0.2], body="slider").shape == (2, result.modes("slider").sizes["position"])
+    assert result.field([0.1, 0.2], body="slider").shape == (2,
+                                                             result.modes("slider").sizes[
+                                                                 "position"])
 
 
 def test_level_in_time_is_the_level_of_each_stretch(result):
     """Of the program over the samples of one window."""
     time_, levels = plots.level_in_time(result)
     edges = np.linspace(0, result.samples, len(levels) + 1).astype(int)
-    messages = answer("analyze", result.path, "--from", edges[40] / 1e5, "--to", (edges[41] - 1) / 1e5)
+    messages = answer("analyze", result.path, "--from", edges[40] / 1e5, "--to",
+                      (edges[41] - 1) / 1e5)
     assert levels[40] == pytest.approx(messages["lv"], abs=1e-9)
     assert edges[40] / 1e5 < time_[40] < edges[41] / 1e5
 
 
 def test_series_have_units(result):
-    for group in (result.probes, result.contact, result.energy, result.modes(), result.spectrum(), result.bands()):
+    for group in (result.probes, result.contact, result.energy, result.modes(), result.spectrum(),
+                  result.bands()):
         for name, values in group.variables.items():
             if values.dtype.kind == "f":
                 assert values.attrs.get("units"), name
@@ -97,7 +105,8 @@ def test_ten_gigabytes_open_at_once(result, folder):
     assert repr(opened)
     with h5py.File(big, "r") as file:
         from ra2d import stored
-        velocity = stored._Dataset(stored.File(big), "resonator/velocity", file["resonator/velocity"])
+        velocity = stored._Dataset(stored.File(big), "resonator/velocity",
+                                   file["resonator/velocity"])
     assert velocity.shape == (rows, 19)
     assert time.process_time() - before < 0.1
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 50_000  # kB

@@ -20,7 +20,8 @@ import ra2d
 from ra2d import page, page_pictures, page_svg, page_words, program, style
 from ra2d.page_words import number, without_folders
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))),
+                None)
 EVIL = "</title><script>alert(1)</script>\"'><img src=x onerror=alert(2)>\u202e $x^2$"
 
 
@@ -44,17 +45,21 @@ def require_harmless(text):
     """Nothing leads away from the page, and one program runs in it, the page's own."""
     tags = Tags(text).found
     names = [tag for tag, _ in tags]
-    assert names.count("script") == 1 and not set(names) & {"link", "img", "iframe", "object", "embed", "base", "form"}
+    assert names.count("script") == 1 and not set(names) & {"link", "img", "iframe", "object",
+                                                            "embed", "base", "form"}
     attributes = [(name, value or "") for _, attrs in tags for name, value in attrs.items()]
     assert not [name for name, _ in attributes if name.startswith("on")]
-    links = [value for name, value in attributes if name in ("href", "src", "data", "action", "xlink:href")]
+    links = [value for name, value in attributes if name in ("href", "src", "data", "action",
+                                                             "xlink:href")]
     links += [found for _, value in attributes for found in re.findall(r"url\((.*?)\)", value)]
     assert all(link.startswith(("#", "data:audio/wav;base64,")) for link in links), links
     style_text = text.split("<style>")[1].split("</style>")[0]
     assert "url(" not in style_text and "@import" not in style_text
     ids = [value for name, value in attributes if name == "id"]
-    assert len(ids) == len(set(ids)) and {link[1:] for link in links if link.startswith("#")} <= set(ids)
-    assert "\u202e" not in text and "Content-Security-Policy" in text and "default-src 'none'" in text
+    assert len(ids) == len(set(ids)) and {link[1:]
+                                          for link in links if link.startswith("#")} <= set(ids)
+    assert ("\u202e" not in text and "Content-Security-Policy" in text
+            and "default-src 'none'" in text)
 
 
 def rows(text, heading):
@@ -80,8 +85,10 @@ def test_no_markup_goes_through():
 
 
 @pytest.mark.parametrize("value, digits, text", [
-    (1234.5, 4, "1234"), (0, 3, "0"), (-0.25, 3, "−0.25"), (7.2134e-4, 3, "7.21\u00a0×\u00a010<sup>−4</sup>"),
-    (1e15, 3, "1\u00a0×\u00a010<sup>15</sup>"), (math.nan, 3, "–"), (None, 3, "–"), (-math.inf, 3, "−∞")])
+    (1234.5, 4, "1234"), (0, 3, "0"), (-0.25, 3, "−0.25"),
+    (7.2134e-4, 3, "7.21\u00a0×\u00a010<sup>−4</sup>"),
+    (1e15, 3, "1\u00a0×\u00a010<sup>15</sup>"), (math.nan, 3, "–"), (None, 3, "–"),
+    (-math.inf, 3, "−∞")])
 def test_numbers_are_for_people(value, digits, text):
     assert number(value, digits) == text
 
@@ -93,7 +100,8 @@ def test_numbers_are_for_people(value, digits, text):
     ('a = "/open\nb = "/home/x"', 'a = "open\nb = "x"'),
     ('# the paper\'s\nbase = "/home/ann/b.toml"', '# the paper\'s\nbase = "b.toml"'),
     ("# the paper's, in '/home/ann/b.toml'", "# the paper's, in 'b.toml'"),
-    ('path = """\n/home/ann/c.csv"""\nb = \'\'\'/home/d\'\'\'', 'path = """\nc.csv"""\nb = \'\'\'d\'\'\''),
+    ('path = """\n/home/ann/c.csv"""\nb = \'\'\'/home/d\'\'\'',
+     'path = """\nc.csv"""\nb = \'\'\'d\'\'\''),
     ('a = ""\nb = "/home/x#y"', 'a = ""\nb = "x#y"')])
 def test_texts_lose_their_folders_and_keep_their_names(toml, bare):
     assert without_folders(toml) == bare
@@ -103,7 +111,8 @@ def test_what_was_asked_has_the_units_of_its_keys():
     facts = dict(page_words.requested(ra2d.scene("moving-force").complete()))
     assert facts == facts | {
         "sliding": "0.015 s at 0 m/s, from 140 mm on",
-        "resonator": "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio 0; "
+        "resonator":
+        "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio 0; "
                      "modes up to 20 kHz",
         "its face": "flat", "slider": "rigid beam, 20 mm long, 20 mm wide",
         "contact": "penalty, 1\u00a0×\u00a010<sup>15</sup> Pa/m", "spacing": "1 mm",
@@ -152,7 +161,8 @@ def test_a_long_line_keeps_its_extremes():
 def short(base, folder):
     """A fifth of a second, with a name, a file and a profile that would do harm, and its page."""
     face = ra2d.surface.array(2e-6 * np.sin(np.arange(2501) / 40), 8e-6, folder / "secret's.csv")
-    ran = ra2d.run(base, {"scene.name": EVIL, "slider.surface": face}, duration=0.2, output=folder / "<img src=x>'.h5",
+    ran = ra2d.run(base, {"scene.name": EVIL, "slider.surface": face}, duration=0.2,
+                   output=folder / "<img src=x>'.h5",
                    show=False)
     return ran, page.results_text([ran], "ra2d report <img src=x>")
 
@@ -175,20 +185,30 @@ def test_a_page_has_it_all(result, whole):
     facts = dict(rows(text, "What came out"))
     level = result.level
     assert facts["level Lv"].startswith(f"{level:.2f} dB re 1 nm/s")
-    assert facts["level Lv"].endswith(f"; 95 %: {level.low:.1f} to {level.high:.1f} dB, with these surfaces")
-    assert facts["shocks"].startswith(f"{result.shock_rate:.0f} a second ({len(result.shocks)} in all); 95 %: ")
-    assert facts["their duration"].startswith("median ") and "eight of ten from" in facts["their impulse"]
-    assert set(facts) == {"level Lv", "shocks", "their duration", "their peak force", "their impulse", "at once",
-                          "energy they give", "in contact", "loudest third octave", "half-power damping", "power",
+    assert facts["level Lv"].endswith(
+        f"; 95 %: {level.low:.1f} to {level.high:.1f} dB, with these surfaces")
+    assert facts["shocks"].startswith(
+        f"{result.shock_rate:.0f} a second ({len(result.shocks)} in all); 95 %: ")
+    assert facts["their duration"].startswith("median ") and "eight of ten from" in facts[
+        "their impulse"]
+    assert set(facts) == {"level Lv", "shocks", "their duration", "their peak force",
+                          "their impulse", "at once",
+                          "energy they give", "in contact", "loudest third octave",
+                          "half-power damping", "power",
                           "energy balance"}
-    for caption in ("Velocity spectrum", "Third octaves", "Level in time", "how long they last", "their peak force",
+    for caption in ("Velocity spectrum", "Third octaves", "Level in time", "how long they last",
+                    "their peak force",
                     "Faces"):
         assert len(re.findall(f"<figcaption><b>[^<]*{caption}", text)) == 1
     assert text.count("<svg ") == 6 and text.count('role="img" aria-label="') == 6
-    assert "Made by ra2d 0." in text and "with <code>ra2d report cube.h5 -o page.html</code>" in text
-    assert f"ra2d {result.attrs['version']} ({result.attrs['commit']}), started {result.attrs['started']}" in text
-    assert "&#34;roughness noise&#34;" in text and 'name="viewport"' in text and "prefers-color-scheme: dark" in text
-    assert dict(rows(text, "What was asked"))["time scheme"] == "adaptive, tolerance 1\u00a0×\u00a010−6"
+    assert ("Made by ra2d 0." in text
+            and "with <code>ra2d report cube.h5 -o page.html</code>" in text)
+    assert (f"ra2d {result.attrs['version']} ({result.attrs['commit']}), started "
+            f"{result.attrs['started']}" in text)
+    assert ("&#34;roughness noise&#34;" in text and 'name="viewport"' in text
+            and "prefers-color-scheme: dark" in text)
+    assert dict(rows(text,
+                     "What was asked"))["time scheme"] == "adaptive, tolerance 1\u00a0×\u00a010−6"
     assert "modal damping 0.02" in text and "<summary>Damping of the modes</summary>" in text
     assert len(text) < 900_000
 
@@ -218,7 +238,8 @@ def test_results_share_their_full_scale(base, folder, short, undrawn):
 
 
 def test_long_sounds_are_shortened(base, folder, undrawn):
-    slow = ra2d.run(base, duration=1.2, speed=0.05, tolerance=1e-3, output=folder / "long.h5", show=False)
+    slow = ra2d.run(base, duration=1.2, speed=0.05, tolerance=1e-3,
+                    output=folder / "long.h5", show=False)
     text = page.results_text([slow])
     assert "Shortened: all of it would last 24 s." in text
     assert [round(len(samples) / rate) for samples, rate in sounds(text)] == [1, 20]
@@ -250,17 +271,21 @@ def test_profiles_are_named_without_folders_and_with_their_hash(short, folder):
 
 def test_the_level_has_a_reason_where_it_has_no_interval(short):
     result, text = short
-    assert dict(rows(text, "What came out"))["level Lv"].endswith(f"; no interval: {result.analysis()['no_interval']}")
+    assert dict(rows(text,
+                     "What came out"))["level Lv"].endswith(
+                         f"; no interval: {result.analysis()['no_interval']}")
 
 
 def test_hardly_anything_is_still_a_page(folder):
-    for scene, changes in (("peaks", {}), ("drop", {}), ("moving-force", {}), ("drop", {"duration": 1e-4}),
+    for scene, changes in (("peaks", {}), ("drop", {}), ("moving-force", {}),
+                           ("drop", {"duration": 1e-4}),
                            ("drop", {"duration": 1e-7, "rate": 1e7}),
                            ("drop", {"duration": 1e-3, "from": 0.99e-3})):
         ran = ra2d.run(scene, output=folder / "little.h5", force=True, show=False, **changes)
         text = page.results_text([ran])
         require_harmless(text)
-        assert not re.search(r"[ >]-?(?:nan|inf|None)\b", re.sub(r"<style>.*</style>", "", text, flags=re.DOTALL))
+        assert not re.search(r"[ >]-?(?:nan|inf|None)\b",
+                             re.sub(r"<style>.*</style>", "", text, flags=re.DOTALL))
         assert text.endswith("</html>")
 
 
@@ -272,28 +297,33 @@ def test_a_page_without_noise_shocks_and_probes(folder):
     text = page.results_text([ra2d.run(still, output=folder / "silent.h5", show=False)])
     facts = dict(rows(text, "What came out"))
     assert facts["level Lv"] == "−∞ dB: the resonator did not vibrate" and facts["shocks"] == "none"
-    assert "No sound: the result has no probe" in text and "<audio " not in text and text.count("<svg ") == 1
+    assert "No sound: the result has no probe" in text and "<audio " not in text and text.count(
+        "<svg ") == 1
 
 
 def test_doubts_stand_on_top(folder, base):
     with pytest.raises(ra2d.SimulationError):
-        ra2d.run("dang2012", {"time.force": True}, scheme="explicit-euler", step=1e-6, output=folder / "cut.h5",
-                 show=False)
+        ra2d.run("dang2012", {"time.force": True}, scheme="explicit-euler", step=1e-6,
+                 output=folder / "unstable.h5", show=False)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # the page says it
-        text = page.results_text([ra2d.load(folder / "cut.h5")])
+        text = page.results_text([ra2d.load(folder / "unstable.h5")])
     box = text.split('<div class="note" role="note">')[1].split("</div>")[0]
-    assert "The run was cut short: unstable" in box and "beyond a limit of stability, on request: explicit-euler" in box
+    assert ("The run was cut short: unstable" in box
+            and "beyond a limit of stability, on request: explicit-euler" in box)
     assert "% of the energy is unaccounted for." in box
 
 
 def test_aliased_modes_the_meshs_tone_and_bands_without_modes(result, whole, base, folder):
     few = ra2d.run(base, duration=0.02, rate=1e4, output=folder / "few.h5", show=False)
-    assert f"{few.analysis()['aliased_modes']} modes lie above half the rate" in page.results_text([few])
-    low = ra2d.run(base, {"resonator.max_frequency": 2000.0}, duration=0.2, output=folder / "low.h5", show=False)
+    assert f"{few.analysis()['aliased_modes']} modes lie above half the rate" in page.results_text(
+        [few])
+    low = ra2d.run(base, {"resonator.max_frequency": 2000.0}, duration=0.2,
+                   output=folder / "low.h5", show=False)
     assert "Hollow: above the last mode that was kept, at 1.8" in page.results_text([low])
     text = whole
-    assert ("The mesh&#39;s own tone at 12.5 kHz" in text) == result.analysis()["mesh_tone"]["stands_out"]
+    assert ("The mesh&#39;s own tone at 12.5 kHz" in text) == result.analysis()["mesh_tone"][
+        "stands_out"]
     assert "Dashed: speed/spacing, 12.5 kHz" in text
 
 
@@ -309,7 +339,8 @@ def test_several_results_stand_side_by_side(short, result):
     means = json.loads(program.call("analyze", result.path, short[0].path, "--json"))["mean"]
     table = text.split(">Means</h2>")[1].split("</table>")[0]
     lv = means["lv"]
-    assert f"<td>level Lv, dB re 1 nm/s</td><td>{number(lv['mean'], 5)}</td><td>{number(lv['low'], 5)} to" in table
+    assert ("<td>level Lv, dB re 1 "
+            f"nm/s</td><td>{number(lv['mean'], 5)}</td><td>{number(lv['low'], 5)} to" in table)
     assert f"<td>{number(1e6 * means['shocks.duration.median']['mean'], 5)}</td>" in table
     assert table.count("<tr>") == 1 + len(means)
 
@@ -381,20 +412,24 @@ def test_the_page_of_a_study(loads, folder):
     for row in loads.means().to_dict("records"):
         interval = f"{row['level_low']:.2f} to {row['level_high']:.2f}"
         assert f"<td>3</td><td>{row['level']:.2f}</td><td>{interval}</td>" in text
-    assert "36 runs: 36 done, 0 failed, 0 missing" in text and "The intervals are by the 3 seeds" in text
+    assert ("36 runs: 36 done, 0 failed, 0 missing" in text
+            and "The intervals are by the 3 seeds" in text)
     assert "<th>load, N</th><th>speed, m/s</th><th>runs</th>" in text
-    assert text.count("<svg ") == 2 and "Level against load" in text and "Level against speed" in text
+    assert (text.count("<svg ") == 2 and "Level against load" in text
+            and "Level against speed" in text)
     assert "u000D" not in text and "\r" not in text
     assert "slider.damping=0.03" in text and "&lt;/pre&gt;&lt;script&gt;alert" in text
     assert str(folder) not in text and "base = &#34;base of mine.toml&#34;" in text
-    assert "<code>ra2d report loads-page/ -o out.html</code>" in text and "<h1>Study: loads-page</h1>" in text
+    assert ("<code>ra2d report loads-page/ -o out.html</code>" in text
+            and "<h1>Study: loads-page</h1>" in text)
 
 
 def test_every_load_is_drawn_and_named_in_its_colour(loads):
     text = page.study_text(loads)
     _, against_speed = re.findall(r"<figure>.*?</figure>", text, re.DOTALL)
     named = re.findall(r'<b style="color:var\((--\w+)\)">▬</b> ([\d.]+)</span>', against_speed)
-    assert [name for _, name in named] == ["10", "5", "2", "1", "0.5", "0.2"] and "load [N]:" in against_speed
+    assert [name for _, name in named] == ["10", "5", "2", "1", "0.5",
+                                           "0.2"] and "load [N]:" in against_speed
     assert len({colour for colour, _ in named}) == 6
     for colour, _ in named:  # its points, its line, in light and in dark
         classes = re.findall(rf"\.(p\d+){{[^}}]*stroke:var\({colour}\)", text)
@@ -405,23 +440,28 @@ def test_every_load_is_drawn_and_named_in_its_colour(loads):
 def test_studies_of_every_kind(base, folder):
     quick = base.change(duration=0.002, rate=1e4)
     words = ra2d.study(quick.without(["time.scheme", "time.tolerance"]),
-                       {"scheme": ["backward-euler", "exact"], "load": [1.0]}, seeds=2, folder=folder / "words",
+                       {"scheme": ["backward-euler", "exact"], "load": [1.0]}, seeds=2,
+                       folder=folder / "words",
                        show=False)
     text = page.study_text(words)
-    assert "<td>backward-euler</td><td>1</td><td>2</td>" in text and ">backward-euler</text>" in text
+    assert ("<td>backward-euler</td><td>1</td><td>2</td>" in text
+            and ">backward-euler</text>" in text)
     assert text.count("<svg ") == 1  # of the one key with two values
-    three = ra2d.study(quick, {"speed": [0.1, 0.2], "load": [0.5, 1.0], "rate": [1e4, 2e4]}, seeds=2,
+    three = ra2d.study(quick,
+                       {"speed": [0.1, 0.2], "load": [0.5, 1.0], "rate": [1e4, 2e4]}, seeds=2,
                        folder=folder / "three", show=False)
     text = page.study_text(three)
     assert text.count("<svg ") == 3 and text.count("● ") >= 3 and text.count("■ ") >= 3
     seeds = ra2d.study(quick, {}, seeds=2, folder=folder / "seeds", show=False)
     text = page.study_text(seeds)
-    assert "<svg " not in text and "no law" in text.lower() and "<th>runs</th><th>Lv, dB</th>" in text
+    assert ("<svg " not in text and "no law" in text.lower()
+            and "<th>runs</th><th>Lv, dB</th>" in text)
 
 
 def test_values_of_keys_stay_text(base, folder):
     names = [EVIL[:40], "a\u202eb\u0001", "$x^2$ $", "\u65e5\u672c\u8a9e", "\\udc"]
-    named = ra2d.study(base.change(duration=0.001, rate=1e4), {"scene.name": names, "speed": [0.1, 0.2]}, seeds=2,
+    named = ra2d.study(base.change(duration=0.001, rate=1e4),
+                       {"scene.name": names, "speed": [0.1, 0.2]}, seeds=2,
                        folder=folder / "<i>named", show=False)
     text = page.study_text(named)
     require_harmless(text)
@@ -431,7 +471,8 @@ def test_values_of_keys_stay_text(base, folder):
 
 def study_of(folder, name, text, status=0, *options):
     (folder / f"{name}.toml").write_text(text)
-    ended = subprocess.run([program.find(), "study", folder / f"{name}.toml", "-o", folder / name, "--quiet", *options],
+    ended = subprocess.run([program.find(), "study", folder / f"{name}.toml", "-o", folder / name,
+                            "--quiet", *options],
                            capture_output=True, text=True)
     assert ended.returncode == status, ended.stderr
     return ra2d.load_study(folder / name)
@@ -443,16 +484,19 @@ def base_of(folder):
 
 
 def test_a_study_without_levels_says_so(folder):
-    none = study_of(folder, "none", base_of(folder) + 'keep = ["shocks"]\n[set]\n"scene.duration" = 1e-4\n[vary]\n'
+    none = study_of(folder, "none",
+                    base_of(folder) + 'keep = ["shocks"]\n[set]\n"scene.duration" = 1e-4\n[vary]\n'
                     'speed = { key = "scene.speed", values = [0.1, 0.2] }\n')
     text = page.study_text(none)
     require_harmless(text)
-    assert "<p>No law: the table holds no v_rms" in text and "<svg" not in text and ">Levels<" not in text
+    assert ("<p>No law: the table holds no v_rms" in text and "<svg" not in text
+            and ">Levels<" not in text)
     assert none.means().empty and none.plot().axes
 
 
 def test_an_unfinished_study_counts_what_is_missing(folder):
-    cut = study_of(folder, "unfinished", base_of(folder) + 'seeds = 400\n[set]\n"scene.duration" = 0.5\n'
+    cut = study_of(folder, "unfinished",
+                   base_of(folder) + 'seeds = 400\n[set]\n"scene.duration" = 0.5\n'
                    '"time.scheme" = "adaptive"\n"time.tolerance" = 1e-8\n', 5, "--max-wall", "0.5")
     done = cut.attrs["done"]
     text = page.study_text(cut)
@@ -460,13 +504,17 @@ def test_an_unfinished_study_counts_what_is_missing(folder):
 
 
 def test_failed_runs_say_why(folder):
-    failed = study_of(folder, "failed", base_of(folder) + 'seeds = 2\n[set]\n"scene.duration" = 0.05\n'
+    failed = study_of(folder, "failed",
+                      base_of(folder) + 'seeds = 2\n[set]\n"scene.duration" = 0.05\n'
                       '"time.force" = true\n"time.step" = 1e-6\n"output.rate" = 1e4\n[vary]\n'
                       'load = { key = "slider.load", values = [0.5, 1.0] }\n'
-                      'scheme = { key = "time.scheme", values = ["backward-euler", "explicit-euler"] }\n', 3)
+                      'scheme = { key = "time.scheme", values = ["backward-euler", '
+                      '"explicit-euler"] }\n', 3)
     text = page.study_text(failed)
-    assert "8 runs: 4 done, 4 failed, 0 missing" in text and "<p>4 of 8 runs failed.</p>" in text and "unstable" in text
-    assert "<p>4: unstable" in text and ">explicit-euler</text>" in text  # its place on the axis, too
+    assert ("8 runs: 4 done, 4 failed, 0 missing" in text and "<p>4 of 8 runs failed.</p>" in text
+            and "unstable" in text)
+    # its place on the axis, too
+    assert "<p>4: unstable" in text and ">explicit-euler</text>" in text
     assert "<td>explicit-euler</td><td>0</td><td>–</td><td>–</td>" in text
     assert " 4 runs without a level are left out. All values of scheme are taken together." in text
 
@@ -482,11 +530,14 @@ def test_a_law_that_bends_is_a_doubt(study):
     from ra2d.studies import Law
     law = study.law()
     line = {"fits": False, "says": "a straight line does not fit", "changes": [
-        {"of": "rq", "along": "speed", "from": 0.1, "to": 0.4, "exponent_from": 1.05, "exponent_to": 0.83}]}
-    bent = Law(law.exponents, law.constant, law.deviation, law.r_squared, law.about | {"straight_line": line})
+        {"of": "rq", "along": "speed", "from": 0.1, "to": 0.4, "exponent_from": 1.05,
+         "exponent_to": 0.83}]}
+    bent = Law(law.exponents, law.constant, law.deviation, law.r_squared,
+               law.about | {"straight_line": line})
     made = page._law(bent)
     assert made["bends"] and made["shape"] == [
-        "A straight line does not fit.", "The exponent of rq falls from 1.050 at speed = 0.1 to 0.830 at 0.4."]
+        "A straight line does not fit.",
+        "The exponent of rq falls from 1.050 at speed = 0.1 to 0.830 at 0.4."]
     assert made["formula"].startswith("v<sub>rms</sub> ∝ speed<sup>")
 
 
@@ -501,7 +552,8 @@ MEASURE = """<script>addEventListener("load", () => {
   const root = document.documentElement;
   document.querySelector("button[data-copies]").click();
   document.body.dataset.seen = [root.clientWidth, root.scrollWidth, fetched.length, small,
-    document.querySelectorAll("svg").length, getSelection().toString().includes("duration = 0.2"), ...sounds].join(" ");
+    document.querySelectorAll("svg").length, getSelection().toString().includes("duration = 0.2"),
+    ...sounds].join(" ");
 });</script>"""
 
 # Windows have a least width; frames do not.
@@ -514,16 +566,20 @@ FRAMES = """<!DOCTYPE html>
 
 @pytest.mark.skipif(not CHROMIUM, reason="no Chromium here")
 def test_a_page_stands_in_a_browser(base, folder, short):
-    wide = ra2d.run(base, {"scene.name": "one long word: " + 150 * "x"}, duration=0.2, output=folder / "wide.h5",
+    wide = ra2d.run(base, {"scene.name": "one long word: " + 150 * "x"}, duration=0.2,
+                    output=folder / "wide.h5",
                     show=False)
     text = page.results_text([wide, short[0]])
     place = folder / "browser"
     place.mkdir()
-    (place / "measured.html").write_text(text.replace("</body>", MEASURE + "</body>"), encoding="utf-8")
+    (place / "measured.html").write_text(text.replace("</body>", MEASURE + "</body>"),
+                                         encoding="utf-8")
     (place / "frames.html").write_text(FRAMES)
     shown = subprocess.run(
-        [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr",
-         "--host-resolver-rules=MAP * ~NOTFOUND", "--allow-file-access-from-files", "--window-size=1300,2000",
+        [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
+         "--enable-logging=stderr",
+         "--host-resolver-rules=MAP * ~NOTFOUND", "--allow-file-access-from-files",
+         "--window-size=1300,2000",
          "--dump-dom", f"--user-data-dir={place / 'profile'}", f"file://{place / 'frames.html'}"],
         capture_output=True, text=True, timeout=120)
     assert shown.returncode == 0 and "CONSOLE" not in shown.stderr, shown.stderr
@@ -541,7 +597,8 @@ def test_the_scenes_microphones_stand_beside_the_vibration(base, folder):
     figure = heard.plot("bands")
     drawn = figure.axes[1].get_lines()
     assert len(drawn) == 2 and "pressure" in figure.axes[1].get_ylabel()
-    assert set(drawn[0].get_ydata()) <= set(found[0]["bands"]["level"]) and len(drawn[0].get_ydata()) > 10
+    assert set(drawn[0].get_ydata()) <= set(found[0]["bands"]["level"]) and len(
+        drawn[0].get_ydata()) > 10
 
 
 def test_microphones_can_be_named_for_a_picture_and_a_page(result, folder):
@@ -554,17 +611,26 @@ def test_microphones_can_be_named_for_a_picture_and_a_page(result, folder):
     figure = heard.plot("level", start=0.2, stop=0.6)
     line, *_ = figure.axes[1].get_lines()
     history = heard.analysis(start=0.2, stop=0.6)["microphones"][0]["history"]
-    levels = 10 * np.log10(np.array(history["mean_square"]).reshape(100, 2).mean(axis=1) / 20e-6 ** 2)
-    assert line.get_ydata() == pytest.approx(levels) and line.get_label().startswith("pressure at 0.15, 0.1, 0.5 m")
+    levels = 10 * np.log10(np.array(history["mean_square"]).reshape(100,
+                                                                    2).mean(axis=1) / 20e-6 ** 2)
+    assert line.get_ydata() == pytest.approx(levels) and line.get_label().startswith(
+        "pressure at 0.15, 0.1, 0.5 m")
     text = read(heard.report(folder / "at.html"))
     (clip, rate), *velocities = sounds(text)
-    assert len(velocities) == 2 and rate == 48_000 and "First the sound pressure at a microphone" in text
-    scale = float(re.search(r"Sound pressure at 0.15, 0.1, 0.5 m: .* Full scale is (\S+) Pa", text)[1])
-    assert scale * np.sqrt((clip ** 2).mean()) == pytest.approx(found[0]["p_rms"], rel=0.02)  # some above 22 kHz is left out
+    assert (len(velocities) == 2 and rate == 48_000
+            and "First the sound pressure at a microphone" in text)
+    scale = float(re.search(r"Sound pressure at 0.15, 0.1, 0.5 m: .* Full scale is (\S+) Pa",
+                            text)[1])
+    # some above 22 kHz is left out
+    assert scale * np.sqrt((clip ** 2).mean()) == pytest.approx(found[0]["p_rms"], rel=0.02)
     assert heard.listen(at=[(0, 0.1, 1)]).about["sound_speed"] == pytest.approx(349, abs=0.5)
-    assert f"{found[1]['lpa']:.1f} dB(A)" in text and text.count("Lines, axis on the right: sound pressure") == 2
+    assert f"{found[1]['lpa']:.1f} dB(A)" in text and text.count(
+        "Lines, axis on the right: sound pressure") == 2
     pages = [folder / "line.html", folder / "level.png"]
-    for words in (["report", result.path, "-o", pages[0]], ["plot", result.path, "--what", "level", "-o", pages[1]]):
-        subprocess.run([ra2d.find(), *words, "--at", "0.15,0.1,0.5", "--temperature", "30", "--quiet"], check=True)
-    assert f"{found[0]['lpa']:.1f} dB(A)" in read(pages[0]) and "--at 0.15,0.1,0.5 --temperature 30" in read(pages[0])
+    for words in (["report", result.path, "-o", pages[0]],
+                  ["plot", result.path, "--what", "level", "-o", pages[1]]):
+        subprocess.run([ra2d.find(), *words, "--at", "0.15,0.1,0.5", "--temperature", "30",
+                        "--quiet"], check=True)
+    assert f"{found[0]['lpa']:.1f} dB(A)" in read(
+        pages[0]) and "--at 0.15,0.1,0.5 --temperature 30" in read(pages[0])
     assert pages[1].read_bytes()[:4] == b"\x89PNG"

@@ -19,20 +19,23 @@ from tests.colours import SEEN, lab, linear, times
 @pytest.fixture(scope="session")
 def loads(base, folder):
     """Six loads, as the paper varies them, and two speeds."""
-    return ra2d.study(base.change(duration=0.01, rate=1e4), {"load": [0.2, 0.5, 1, 2, 5, 10], "speed": [0.1, 0.2]},
+    return ra2d.study(base.change(duration=0.01, rate=1e4),
+                      {"load": [0.2, 0.5, 1, 2, 5, 10], "speed": [0.1, 0.2]},
                       seeds=2, folder=folder / "loads", show=False)
 
 
 def boxes(figure, labels):
     renderer = figure.canvas.get_renderer()
     figure.draw(renderer)
-    return [label.get_window_extent(renderer) for label in labels if label.get_text() and label.get_visible()]
+    return [label.get_window_extent(renderer) for label in labels if label.get_text()
+            and label.get_visible()]
 
 
 def test_a_study_draws_every_value_and_its_labels_stand_apart(loads):
     figure = loads.plot()
     against_load, against_speed = figure.axes
-    assert [label.get_text() for label in against_load.get_xticklabels()] == ["0.2", "0.5", "1", "2", "5", "10"]
+    assert [label.get_text()
+            for label in against_load.get_xticklabels()] == ["0.2", "0.5", "1", "2", "5", "10"]
     named = [text.get_text() for text in against_speed.get_legend().get_texts()]
     assert named == ["load [N]", "10", "5", "2", "1", "0.5", "0.2"]
     lines = {line.get_color() for line in against_speed.lines if len(line.get_xdata()) == 40}
@@ -58,7 +61,8 @@ def test_every_picture_draws_without_a_warning(result, what):
         figure = result.plot(what)
         assert figure.drawn("png", 30).startswith(b"\x89PNG")
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert any(titles) and all(axes.lines or axes.collections or axes.patches for axes in figure.axes)
+    assert any(titles) and all(axes.lines or axes.collections or axes.patches
+                               for axes in figure.axes)
 
 
 @pytest.fixture(scope="session")
@@ -84,7 +88,8 @@ def test_a_notebook_shows_a_picture_whatever_its_backend(result):
 
 
 def test_an_unknown_picture_is_refused(result):
-    with pytest.raises(ra2d.RequestError, match="no picture 'spectre'. There are: overview, profiles"):
+    with pytest.raises(ra2d.RequestError,
+                       match="no picture 'spectre'. There are: overview, profiles"):
         result.plot("spectre")
 
 
@@ -135,14 +140,19 @@ def test_sound_of_a_part(result):
 def test_the_sound_at_a_microphone(result):
     sound = result.listen(at=[(0.15, 0.1, 0.5), (0, 0.1, 1)], rate=96000, start=0.1, stop=0.3)
     found = result.analysis(at=[(0.15, 0.1, 0.5), (0, 0.1, 1)], start=0.1, stop=0.3)["microphones"]
-    assert sound.about["quantity"] == "sound pressure" and "file" not in sound.about and sound.rate == 96000
+    assert sound.about[
+        "quantity"] == "sound pressure" and "file" not in sound.about and sound.rate == 96000
     rms = np.sqrt((sound.samples ** 2).mean(axis=0)) * sound.about["full_scale_pa"]
-    assert rms == pytest.approx([one["p_rms"] for one in found], rel=0.01)  # resampled, nearly all of the band is left
-    assert sound.encoded("wav-24")[:4] == b"RIFF" and "slider's own sound" in sound.describe("x.wav")
+    # resampled, nearly all of the band is left
+    assert rms == pytest.approx([one["p_rms"] for one in found], rel=0.01)
+    assert sound.encoded(
+        "wav-24")[:4] == b"RIFF" and "slider's own sound" in sound.describe("x.wav")
     low = result.listen(at=[(0.15, 0.1, 0.5)], rate=8000)
     assert low.samples.ndim == 1 and any("modes are left out" in doubt for doubt in low.doubts)
-    for options, words in (({"at": [(0.15, 0.1, 0)]}, "0.001 m or more"), ({"at": [(0, 0, 1)], "probe": 2}, "give one of"),
-                           ({"at": [(0, 0, 1)] * 3}, "one channel or two"), ({"at": [(0, 1)]}, "three numbers")):
+    for options, words in (({"at": [(0.15, 0.1, 0)]}, "0.001 m or more"),
+                           ({"at": [(0, 0, 1)], "probe": 2}, "give one of"),
+                           ({"at": [(0, 0, 1)] * 3}, "one channel or two"),
+                           ({"at": [(0, 1)]}, "three numbers")):
         with pytest.raises(ra2d.RequestError, match=words):
             result.listen(**options)
 
@@ -155,10 +165,14 @@ def test_several_results_at_a_microphone(result, folder):
     lines = [line for line in heard_bands.get_lines() if line.get_linestyle() != "None"]
     assert [line.get_color() for line in lines] == [style.SERIES[0], style.SERIES[2]]
     assert lines[0].get_ydata() == pytest.approx(np.array(found["bands"]["level"], dtype=float))
-    assert "no microphone" in heard_bands.texts[-1].get_text() and "sound pressure" in heard_level.get_ylabel()
-    assert len(ra2d.plot([near, far], "spectrum").axes) == 1 and len(ra2d.plot([result, result], "level").axes) == 1
+    assert "no microphone" in heard_bands.texts[
+        -1].get_text() and "sound pressure" in heard_level.get_ylabel()
+    assert len(ra2d.plot([near, far],
+                         "spectrum").axes) == 1 and len(ra2d.plot([result, result],
+                                                                  "level").axes) == 1
     made = folder / "two.png"
-    subprocess.run([ra2d.find(), "plot", result.path, result.path, "--at", "0.15,0.1,0.5", "--what", "bands", "-o", made,
+    subprocess.run([ra2d.find(), "plot", result.path, result.path, "--at", "0.15,0.1,0.5", "--what",
+                    "bands", "-o", made,
                     "--quiet"], check=True)
     assert made.read_bytes()[:4] == b"\x89PNG"
 
@@ -168,11 +182,13 @@ def test_several_results_lie_over_one_another(result, base, folder):
     figure = ra2d.plot([result, result, short])
     spectrum, bands, level = figure.axes
     assert "very-short: the run is too short for third octaves" in bands.texts[-1].get_text()
-    legend = next(text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")
+    legend = next(text.get_text()
+                  for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")
                   if text.get_text().startswith("2: cube"))
     assert f"{result.level:.2f} dB" in legend
     assert {line.get_color() for line in level.lines} == set(style.SERIES[:3])
-    assert len(ra2d.plot([result] * 9, "bands").axes[0].lines) == 16  # eight, each with its hollow marks
+    # eight, each with its hollow marks
+    assert len(ra2d.plot([result] * 9, "bands").axes[0].lines) == 16
     with pytest.raises(ra2d.RequestError, match="no picture 'force' of several results"):
         ra2d.plot([result], "force")
 
@@ -184,7 +200,8 @@ def test_a_stretch_has_the_numbers_of_the_stretch(result):
     """Those of `ra2d analyze --from --to`; sums of energy count from its first sample."""
     part = stretch.of(result, 0.2, 0.3)
     messages = result.analysis(start=0.2, stop=0.3)
-    assert part.level == messages["lv"] and len(part.shocks) == messages["shocks"]["count"] and part.samples == 10_001
+    assert part.level == messages["lv"] and len(part.shocks) == messages["shocks"][
+        "count"] and part.samples == 10_001
     assert float(part.contact.time[0]) == 0.2 and float(part.probes.time[-1]) == pytest.approx(0.3)
     assert part.bands().level.values[-3] == messages["bands"]["level"][-3]
     assert float(part.energy.damping_loss[0]) == 0
@@ -199,30 +216,36 @@ OF_ANY_STRETCH = [what for what in ["overview", *plots.PANELS, "shock"] if what 
 
 
 @pytest.mark.parametrize("start, stop, what", [
-    *((start, stop, what) for start, stop in ((0.2, 0.5), (0.9, None), (None, 0.001)) for what in OF_ANY_STRETCH),
+    *((start, stop, what) for start, stop in ((0.2, 0.5), (0.9, None), (None, 0.001))
+      for what in OF_ANY_STRETCH),
     *((0.5, 0.50002, what) for what in [*OF_ANY_STRETCH, *IN_OVERVIEW])])
 def test_every_picture_of_a_stretch_draws_without_a_warning(result, what, start, stop):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         figure = result.plot(what, start=start, stop=stop)
         assert figure.drawn("png", 30).startswith(b"\x89PNG")
-    words = [text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")]
+    words = [text.get_text()
+             for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")]
     assert any(", from " in text for text in words)
 
 
 def test_axes_of_a_stretch_end_where_it_does(result):
     for what in ("force", "displacement", "level", "energy"):
-        assert result.plot(what, start=0.25, stop=0.75).axes[0].get_xlim() == pytest.approx((250, 750), abs=1)
+        assert result.plot(what, start=0.25,
+                           stop=0.75).axes[0].get_xlim() == pytest.approx((250, 750), abs=1)
     low, high = ra2d.plot([result, result], "level", start=0.25, stop=0.75).axes[0].get_xlim()
     assert (low, high) == pytest.approx((250, 750), abs=1)
-    low, high = result.plot("profiles", start=0.5, stop=0.6).axes[0].get_xlim()  # mm: 0.1 m + 0.1 m/s t, 20 mm more
+    # mm: 0.1 m + 0.1 m/s t, 20 mm more
+    low, high = result.plot("profiles", start=0.5, stop=0.6).axes[0].get_xlim()
     assert low == pytest.approx(150 - 1.2, abs=0.1) and high == pytest.approx(180 + 1.2, abs=0.1)
 
 
-@pytest.mark.parametrize("start, stop", [(2, None), (0.5, 0.5), (0.6, 0.5), (-1, None), (float("nan"), None),
-                                         ("now", None), (None, True), (0.5, 0.500001)])
+@pytest.mark.parametrize("start, stop",
+                         [(2, None), (0.5, 0.5), (0.6, 0.5), (-1, None), (float("nan"), None),
+                          ("now", None), (None, True), (0.5, 0.500001)])
 def test_stretches_that_are_none(result, start, stop):
-    with pytest.raises(ra2d.RequestError, match="there is nothing of|expected a time|fewer than two samples"):
+    with pytest.raises(ra2d.RequestError,
+                       match="there is nothing of|expected a time|fewer than two samples"):
         result.plot("force", start=start, stop=stop)
 
 
@@ -230,7 +253,8 @@ def test_a_spectrogram_has_the_power_of_the_spectrum(result):
     """Parseval: the densities summed over the lines and meaned over time are the mean square
     velocity, but for the windows' weights at both ends and 0 Hz."""
     time, frequency, density, length = spectrogram.densities(result)
-    assert length == 2048 and frequency[1] == pytest.approx(1e5 / 2048) and (np.diff(time) > 0).all()
+    assert length == 2048 and frequency[1] == pytest.approx(1e5
+                                                            / 2048) and (np.diff(time) > 0).all()
     assert 0 < time[0] < 0.02 and 0.98 < time[-1] < 1
     square = density.sum(axis=0).mean() * frequency[1]
     assert 10 * np.log10(square) + 180 == pytest.approx(result.level, abs=0.3)
@@ -242,14 +266,17 @@ def test_a_tone_stands_at_its_time_and_frequency():
     rate, n, amplitude = 1e4, 20_000, 3e-3
     t = np.arange(n) / rate
     velocity = amplitude * np.sin(2 * np.pi * 1250.0 * t) * (t >= 1)
-    tone = Tone(xr.Dataset({"velocity": (("time", "mode"), velocity[:, None]), "mean_square": ("mode", [2.0])},
+    tone = Tone(xr.Dataset({"velocity": (("time", "mode"), velocity[:, None]),
+                            "mean_square": ("mode", [2.0])},
                            {"time": t}), rate)
     time, frequency, density, length = spectrogram.densities(tone)
     line = int(np.argmin(abs(frequency - 1250)))
     after, before = density[:, time > 1.1], density[:, time < 0.9]
     assert before.max() < 1e-12 * after.max() and (after.argmax(axis=0) == line).all()
-    assert (after.sum(axis=0) * frequency[1]).mean() == pytest.approx(2.0 * amplitude ** 2 / 2, rel=1e-6)
-    assert after[line].mean() == pytest.approx(2.0 * amplitude ** 2 / 2 / (1.5 * frequency[1]), rel=0.02)
+    assert (after.sum(axis=0) * frequency[1]).mean() == pytest.approx(2.0 * amplitude ** 2 / 2,
+                                                                      rel=1e-6)
+    assert after[line].mean() == pytest.approx(2.0 * amplitude ** 2 / 2 / (1.5 * frequency[1]),
+                                               rel=0.02)
 
 
 class Tone:
@@ -264,17 +291,20 @@ class Tone:
 
 def test_long_runs_are_put_together():
     t = np.arange(4_000_000) / 1e5
-    long = Tone(xr.Dataset({"velocity": (("time", "mode"), np.ones((t.size, 1))), "mean_square": ("mode", [1.0])},
+    long = Tone(xr.Dataset({"velocity": (("time", "mode"), np.ones((t.size, 1))),
+                            "mean_square": ("mode", [1.0])},
                            {"time": t}), 1e5)
     time, frequency, density, length = spectrogram.densities(long)
-    assert length == spectrogram.MOST and time.size <= spectrogram.MOST_COLUMNS and 39 < time[-1] < 40
+    assert length == spectrogram.MOST and time.size <= spectrogram.MOST_COLUMNS and 39 < time[
+        -1] < 40
     assert np.allclose(np.diff(time), np.diff(time)[0])
 
 
 def test_the_spectrograms_scale_says_what_it_is(result):
     figure = result.plot("waterfall")
     axes, bar = figure.axes
-    assert "dB re 1 (nm/s)²/Hz" in bar.get_ylabel() and "Hann" in axes.get_xlabel() and "48.8 Hz" in axes.get_xlabel()
+    assert "dB re 1 (nm/s)²/Hz" in bar.get_ylabel()
+    assert "Hann" in axes.get_xlabel() and "48.8 Hz" in axes.get_xlabel()
     colours = figure.findobj(lambda artist: type(artist).__name__ == "QuadMesh")[0]
     assert colours.get_cmap().name == "viridis" and bar.get_ylim()[1] - bar.get_ylim()[0] == 70
 
@@ -283,7 +313,8 @@ def test_the_strongest_shock_is_shown_with_its_samples(result):
     figure = result.plot("shock")
     strongest = result.shocks.peak_force.idxmax()
     shock = result.shocks.loc[strongest]
-    words = " ".join(text.get_text() for text in figure.findobj(lambda artist: type(artist).__name__ == "Text"))
+    words = " ".join(text.get_text()
+                     for text in figure.findobj(lambda artist: type(artist).__name__ == "Text"))
     assert f"Shock {strongest}, the strongest of {len(result.shocks)}" in words
     force = result.contact.force
     count = int(((force.time >= shock.start) & (force.time <= shock.start + shock.duration)).sum())
@@ -298,7 +329,8 @@ def test_a_chosen_shock_and_a_long_one(result):
     lasting = result.shocks.duration.idxmax()
     words = " ".join(text.get_text() for text in result.plot("shock", shock=int(lasting)).findobj(
         lambda artist: type(artist).__name__ == "Text"))
-    assert f"Shock {lasting}, number" in words and "samples fall into it." in words and "--zoom" not in words
+    assert (f"Shock {lasting}, number" in words and "samples fall into it." in words
+            and "--zoom" not in words)
     first = int(result.shocks.index[0])
     assert len(result.plot("shock", shock=first).axes) == 3
     for wrong in (-1, 10**9, 1.5, "strongest", True):
@@ -309,9 +341,11 @@ def test_a_chosen_shock_and_a_long_one(result):
 
 
 def test_runs_with_no_shock_one_shock_and_no_probes(silent, base, folder):
-    assert "no shocks" in " ".join(text.get_text() for axes in silent.plot("shock").axes for text in axes.texts)
+    assert "no shocks" in " ".join(text.get_text() for axes in silent.plot("shock").axes
+                                   for text in axes.texts)
     with pytest.raises(ra2d.RequestError, match="there were none"):
         silent.plot("shock", shock=0)
-    drop = ra2d.run("drop", {"output.probes": []}, duration=2e-4, output=folder / "one.h5", show=False)
+    drop = ra2d.run("drop", {"output.probes": []}, duration=2e-4,
+                    output=folder / "one.h5", show=False)
     figure = drop.plot("shock")
     assert figure.drawn("png", 30) and len(figure.axes) in (1, 3)

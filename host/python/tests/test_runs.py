@@ -38,13 +38,15 @@ def test_a_missing_program_is_an_error_with_the_cure(monkeypatch, tmp_path):
     monkeypatch.delenv("RA2D")
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(program, "__file__", str(tmp_path / "a/b/c/ra2d/program.py"))
-    with pytest.raises(ra2d.ProgramError, match="neither beside the package nor on the PATH.*install ra2d"):
+    with pytest.raises(ra2d.ProgramError,
+                       match="neither beside the package nor on the PATH.*install ra2d"):
         ra2d.find()
 
 
 def test_a_program_that_is_too_old_is_named(fake):
     path = fake("ra2d 0.0.9 (abc)")
-    with pytest.raises(ra2d.ProgramError, match=f"{path} is 0.0.9, this package needs 0.1.0 or later: install"):
+    with pytest.raises(ra2d.ProgramError,
+                       match=f"{path} is 0.0.9, this package needs 0.1.0 or later: install"):
         ra2d.find()
     broken = fake("something else")
     with pytest.raises(ra2d.ProgramError, match="does not say a version"):
@@ -62,10 +64,14 @@ def test_a_program_beside_is_not_looked_for_on_the_path(fake, monkeypatch):
     assert ra2d.find() == path
 
 
-@pytest.mark.parametrize("status, kind", [(2, ra2d.RequestError), (3, ra2d.SimulationError), (4, ra2d.FileError),
-                                          (5, ra2d.OutOfTime), (143, ra2d.Interrupted), (1, ra2d.ProgramError)])
+@pytest.mark.parametrize("status, kind", [(2, ra2d.RequestError), (3, ra2d.SimulationError),
+                                          (4, ra2d.FileError),
+                                          (5, ra2d.OutOfTime), (143, ra2d.Interrupted),
+                                          (1, ra2d.ProgramError)])
 def test_each_exit_status_is_an_exception(fake, status, kind):
-    fake("ra2d 0.1.0 (x)", f"echo 'ra2d: a doubt' >&2; echo 'ra2d: two faults\nand the second line' >&2; exit {status}")
+    fake("ra2d 0.1.0 (x)",
+         "echo 'ra2d: a doubt' >&2; echo 'ra2d: two faults\nand the second line' >&2; exit "
+         f"{status}")
     for call in (lambda: program.call("x"), lambda: program.follow(["x"], lambda text: None)):
         with (pytest.raises(kind, match="two faults\nand the second line"),
               pytest.warns(ra2d.Notice, match="a doubt")):
@@ -79,7 +85,8 @@ def test_a_crash_is_told(fake):
 
 
 def test_a_fault_of_the_scene_has_the_programs_words():
-    with pytest.raises(ra2d.RequestError, match=r"scene.spede: unknown key \(did you mean `speed`\?\)"):
+    with pytest.raises(ra2d.RequestError,
+                       match=r"scene.spede: unknown key \(did you mean `speed`\?\)"):
         ra2d.run("dang2012", {"scene.spede": 2}, show=False)
     with pytest.raises(ra2d.RequestError, match="did you mean `tolerance`"):
         ra2d.run("dang2012", tolerence=1e-6, show=False)
@@ -88,7 +95,8 @@ def test_a_fault_of_the_scene_has_the_programs_words():
 def test_progress_is_shown_in_its_place(folder):
     seen = []
     scene = ra2d.scene("dang2012").change(duration=1)  # backward Euler: a second or two
-    program.follow(["run", scene.file(folder), *scene.options(), "-o", folder / "progress.h5"], seen.append)
+    program.follow(["run", scene.file(folder), *scene.options(), "-o", folder / "progress.h5"],
+                   seen.append)
     shares = [progress._share(text) for text in seen]
     assert len(seen) > 2 and shares == sorted(shares) and 0 < shares[-1] <= 1
     assert all("steps/s" in text for text in seen)
@@ -97,10 +105,12 @@ def test_progress_is_shown_in_its_place(folder):
 def test_the_same_call_returns_what_is_there(base, folder):
     first = ra2d.run(base, duration=0.02, output=folder / "same.h5", show=False)
     stamp = first.path.stat().st_mtime_ns
-    assert ra2d.run(base, duration=0.02, output=folder / "same.h5", show=False).path.stat().st_mtime_ns == stamp
+    assert ra2d.run(base, duration=0.02, output=folder / "same.h5",
+                    show=False).path.stat().st_mtime_ns == stamp
     with pytest.raises(ra2d.RequestError, match="force"):
         ra2d.run(base, duration=0.03, output=folder / "same.h5", show=False)
-    assert ra2d.run(base, duration=0.03, output=folder / "same.h5", force=True, show=False).duration == 0.03
+    assert ra2d.run(base, duration=0.03, output=folder / "same.h5", force=True,
+                    show=False).duration == 0.03
 
 
 def until(condition, seconds=20.0):
@@ -112,8 +122,10 @@ def until(condition, seconds=20.0):
 
 def started(output):
     """A Python that runs the paper's own scheme, for seconds, with its first checkpoint written."""
-    python = subprocess.Popen([sys.executable, "-c", LONG, output], stderr=subprocess.PIPE, text=True,
-                              env={**os.environ, "PYTHONPATH": str(pathlib.Path(ra2d.__file__).parents[1])})
+    python = subprocess.Popen([sys.executable, "-c", LONG, output],
+                              stderr=subprocess.PIPE, text=True,
+                              env={**os.environ,
+                                   "PYTHONPATH": str(pathlib.Path(ra2d.__file__).parents[1])})
     until(lambda: pathlib.Path(f"{output}.checkpoint").exists())
     return python
 
@@ -149,7 +161,8 @@ def test_max_wall_is_an_exception(folder):
 
 def test_a_failed_simulation_is_an_exception_and_a_file(folder):
     with pytest.raises(ra2d.SimulationError):
-        ra2d.run("dang2012", {"time.scheme": "explicit-euler", "time.step": 5e-6, "time.force": True,
+        ra2d.run("dang2012", {"time.scheme": "explicit-euler", "time.step": 5e-6,
+                              "time.force": True,
                               "scene.duration": 0.05}, output=folder / "unstable.h5", show=False)
     assert not ra2d.load(folder / "unstable.h5").complete
 

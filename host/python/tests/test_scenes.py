@@ -21,7 +21,8 @@ def test_the_keys_are_those_of_the_program():
     tables = dict(re.findall(r"<!-- keys: (\S+) -->\n(.*?)<!-- end of keys -->", page, re.DOTALL))
 
     def keys(name):
-        return {name: who for name, who in re.findall(r"^\| `(\w+)` \|(?: ([^|]*?) ?\|)?", tables[name], re.MULTILINE)}
+        return {name: who for name, who in re.findall(r"^\| `(\w+)` \|(?: ([^|]*?) ?\|)?",
+                                                      tables[name], re.MULTILINE)}
 
     body = keys("body")
     for section in ("scene", "contact", "time", "output"):
@@ -32,9 +33,12 @@ def test_the_keys_are_those_of_the_program():
 
 
 def test_short_names():
-    assert [scenes.full_key(name) for name in ("speed", "load", "stiffness", "probes", "spacing", "scheme")] == [
-        "scene.speed", "slider.load", "contact.stiffness", "output.probes", "scene.spacing", "time.scheme"]
-    with pytest.raises(ra2d.RequestError, match="resonator.length and slider.length have this name"):
+    assert [scenes.full_key(name) for name in ("speed", "load", "stiffness", "probes", "spacing",
+                                               "scheme")] == [
+        "scene.speed", "slider.load", "contact.stiffness", "output.probes", "scene.spacing",
+        "time.scheme"]
+    with pytest.raises(ra2d.RequestError,
+                       match="resonator.length and slider.length have this name"):
         ra2d.scene("dang2012").change(length=0.1)
     with pytest.raises(ra2d.RequestError, match="resonator.surface.rq and slider.surface.rq"):
         ra2d.scene("dang2012").change(rq=1e-6)
@@ -49,14 +53,17 @@ def test_later_changes_take_the_place_of_earlier_ones():
     seeded = ra2d.scene("dang2012").change({"slider.surface.seed": 7, "slider.length": 0.01})
     flat = seeded.change({"slider.surface": {"kind": "flat"}})
     assert flat.changes == {"slider.length": 0.01, "slider.surface": {"kind": "flat"}}
-    assert list(flat.change({"slider.surface.kind": "gaussian"}).changes)[-1] == "slider.surface.kind"
+    assert list(flat.change({"slider.surface.kind": "gaussian"}).changes)[
+        -1] == "slider.surface.kind"
     assert flat["slider.surface"] == {"kind": "flat"}
 
 
 def test_a_text_with_a_unit_is_the_number_that_the_program_reads():
     cube = ra2d.scene("dang2012")
-    inches = cube.change({"slider.surface": {"kind": "gaussian", "rq": "8 \u00b5m", "rsm": "1.55 mm", "seed": 1},
-                          "resonator.length": "30 cm", "output.probes": ["10 mm", 0.02]}, speed="100 mm/s",
+    inches = cube.change({"slider.surface": {"kind": "gaussian", "rq": "8 \u00b5m",
+                                             "rsm": "1.55 mm", "seed": 1},
+                          "resonator.length": "30 cm", "output.probes": ["10 mm", 0.02]},
+                         speed="100 mm/s",
                          load="2 weight", name="3 balls")
     assert inches["speed"] == 0.1 and inches["resonator.length"] == 0.3
     assert inches["slider.surface"] == {"kind": "gaussian", "rq": 8e-6, "rsm": 1.55e-3, "seed": 1}
@@ -69,7 +76,8 @@ def test_a_text_with_a_unit_is_the_number_that_the_program_reads():
 
 
 def test_names_of_scenes():
-    with pytest.raises(ra2d.RequestError, match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):
+    with pytest.raises(ra2d.RequestError,
+                       match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):
         ra2d.scene("dang2021")
     with pytest.raises(ra2d.RequestError, match="nowhere.toml"):
         ra2d.scene("nowhere.toml")
@@ -86,13 +94,16 @@ def test_a_dict_runs_like_its_file(base, folder):
 def test_output_names_keep_runs_apart(base):
     from ra2d.runs import output_name
     assert output_name(base.change(speed=0.2)) != output_name(base.change(speed=0.3))
-    assert output_name(base.change(speed=0.2).change(load=1.0)) == output_name(base.change(load=1.0).change(speed=0.2))
+    assert output_name(base.change(speed=0.2).change(load=1.0)) == output_name(
+        base.change(load=1.0).change(speed=0.2))
     long = base.change({"output.probes": list(np.linspace(0, 0.3, 50))})
     assert len(output_name(long)) < 100 and output_name(long) != output_name(long.change(speed=1.0))
 
 
-@pytest.mark.parametrize("value", [1e-8, 0.1 + 0.2, 5, True, "a \"quoted\"\n$x$ \\ \u00e4 \x7f", [1.0, "weight"],
-                                   [[1, 2], [3.5]], {"kind": "file", "x y": [{"at": 1e300}]}, np.float64(0.3),
+@pytest.mark.parametrize("value", [1e-8, 0.1 + 0.2, 5, True, "a \"quoted\"\n$x$ \\ \u00e4 \x7f",
+                                   [1.0, "weight"],
+                                   [[1, 2], [3.5]], {"kind": "file", "x y": [{"at": 1e300}]},
+                                   np.float64(0.3),
                                    np.arange(3), math.inf])
 def test_toml_comes_back(value):
     back = tomllib.loads(f"x = {toml.value(value)}")["x"]
@@ -111,7 +122,8 @@ def test_a_path_counts_from_the_current_folder(profile):
 def test_an_array_is_the_face_that_runs(base, folder):
     heights = 2e-6 * np.sin(np.arange(2501) / 40) + 1e-7 * np.arange(2501) / 2501
     face = ra2d.surface.array(heights, spacing=8e-6)
-    ran = ra2d.run(base, {"slider.surface": face}, duration=1e-3, output=folder / "face.h5", show=False)
+    ran = ra2d.run(base, {"slider.surface": face}, duration=1e-3,
+                   output=folder / "face.h5", show=False)
     assert np.allclose(ran.profile("slider"), heights - heights.mean(), rtol=0, atol=1e-15)
 
 
@@ -138,5 +150,7 @@ def test_faces_are_checked_early(profile):
 def test_roughness_of_a_sine(profile):
     """Rq of a sine of 2 um is 2/sqrt(2) um, before the filter takes 2 % of a wave of a third of the
     cut-off."""
-    messages = ra2d.surface.read(profile, x_unit="mm", z_unit="um", form="line").roughness(cutoff=2.5e-3)
-    assert messages["Rq"] == pytest.approx(2e-6 / math.sqrt(2), rel=0.05) and messages.name == "iso21920"
+    messages = ra2d.surface.read(profile, x_unit="mm", z_unit="um",
+                                 form="line").roughness(cutoff=2.5e-3)
+    assert messages["Rq"] == pytest.approx(2e-6 / math.sqrt(2),
+                                           rel=0.05) and messages.name == "iso21920"

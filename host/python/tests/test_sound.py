@@ -15,7 +15,8 @@ import xarray as xr
 import ra2d
 from ra2d import sound
 
-RATES = [(100e3, 48e3), (100e3, 44.1e3), (100e3, 96e3), (1e6, 48e3), (44.1e3, 48e3), (20e3, 48e3), (5e3, 48e3),
+RATES = [(100e3, 48e3), (100e3, 44.1e3), (100e3, 96e3), (1e6, 48e3), (44.1e3, 48e3), (20e3, 48e3),
+         (5e3, 48e3),
          (100e3 / 7, 48e3), (250, 48e3), (51234.5, 48e3), (100000.1, 48e3), (1 / 3e-5, 44.1e3)]
 
 
@@ -35,7 +36,8 @@ def test_what_is_below_half_the_rate_keeps_amplitude_and_time(old, new):
     t = np.arange(int(max(4000, 4000 * old / new))) / old
     for share in (0.01, 0.1, 0.5, 0.9):
         motion = sine(share * min(old, new) / 2)
-        assert middle_error(sound.resample(motion(t), old, new), motion, new) < 1e-8  # as docs/sound.md promises
+        # as docs/sound.md promises
+        assert middle_error(sound.resample(motion(t), old, new), motion, new) < 1e-8
 
 
 @pytest.mark.parametrize("old, new", RATES)
@@ -43,7 +45,8 @@ def test_nothing_passes_from_above_half_the_new_rate(old, new):
     t = np.arange(int(4000 * old / new)) / old
     for share in (1.0, 1.02, 1.2, 1.5, 2.0, 3.3):
         if (frequency := share * new / 2) <= old / 2:
-            assert middle_error(sound.resample(sine(frequency)(t), old, new), lambda _: 0, new) < 1e-9  # 180 dB
+            made = sound.resample(sine(frequency)(t), old, new)
+            assert middle_error(made, lambda _: 0, new) < 1e-9  # 180 dB
 
 
 @pytest.mark.parametrize("frequency", [100, 2000, 2270])
@@ -67,8 +70,10 @@ def test_a_signal_of_the_same_rate_stays_as_it_is():
 
 
 def test_full_scale_is_the_next_round_velocity():
-    for peak, scale in ((1, 1), (1.0001, 2), (2, 2), (2.1, 5), (5e-3, 5e-3), (5.1e-3, 1e-2), (9.99e-7, 1e-6), (0, 1),
-                        (3e-300, 5e-300), (0.1, 0.1), (1e-3, 1e-3), (720, 1000), (1.7e308, 1.7e308)):
+    for peak, scale in ((1, 1), (1.0001, 2), (2, 2), (2.1, 5), (5e-3, 5e-3), (5.1e-3, 1e-2),
+                        (9.99e-7, 1e-6), (0, 1),
+                        (3e-300, 5e-300), (0.1, 0.1), (1e-3, 1e-3), (720, 1000),
+                        (1.7e308, 1.7e308)):
         assert sound.round_full_scale(peak) == scale
 
 
@@ -80,12 +85,15 @@ def moving(*probes, count=100001, rate=100e3, modes=(100, 18.9e3), slider=(), be
     time = begins + np.arange(count) / rate
 
     def of(motions, apart):
-        return xr.Dataset({"velocity": (("time", "position"), np.array([m(time) for m in motions]).T.reshape(count, -1))},
-                          {"time": time, "position": [apart * (i + 1) for i in range(len(motions))]})
+        return xr.Dataset({"velocity": (("time", "position"),
+                                        np.array([m(time) for m in motions]).T.reshape(count, -1))},
+                          {"time": time,
+                           "position": [apart * (i + 1) for i in range(len(motions))]})
 
     frequencies = {"resonator": np.array(modes, dtype=float), "slider": np.zeros(1)}
     return types.SimpleNamespace(
-        path=pathlib.Path("out.h5"), probes=of(probes, 0.1), slider_probes=of(slider, 0.01), rate=float(rate),
+        path=pathlib.Path("out.h5"), probes=of(probes, 0.1), slider_probes=of(slider, 0.01),
+        rate=float(rate),
         counted_from=0.0, title="hiss", complete=True, attrs={"ended": "complete"},
         modes=lambda body: xr.Dataset({"frequency": ("mode", frequencies[body])}))
 
@@ -96,13 +104,15 @@ def read(made, encoding):
 
 def test_it_is_the_velocity_over_full_scale():
     made = sound.of_probe(moving(sine(1000, 3e-3)))
-    assert made.about["full_scale_m_per_s"] == 5e-3 and made.samples.size == 48001 and not made.doubts
+    assert (made.about["full_scale_m_per_s"] == 5e-3 and made.samples.size == 48001
+            and not made.doubts)
     assert middle_error(made.samples, sine(1000, 0.6), 48e3) < 1e-6
     assert "the value 1.0 is 0.005 m/s" in read(made, "wav-24").comment
     assert "the value 1.0 is 0.005 m/s" in read(made, "flac-24").comment
 
 
-@pytest.mark.parametrize("encoding, bits", [("wav-16", 16), ("wav-24", 24), ("wav-32", 32), ("flac-24", 24)])
+@pytest.mark.parametrize("encoding, bits",
+                         [("wav-16", 16), ("wav-24", 24), ("wav-32", 32), ("flac-24", 24)])
 def test_files_are_off_by_half_a_step_at_most(encoding, bits):
     made = sound.of_probe(moving(sine(1000, 3e-3)))
     file = read(made, encoding)
@@ -114,7 +124,8 @@ def test_files_are_off_by_half_a_step_at_most(encoding, bits):
 def test_the_reader_of_python_takes_a_wav(bits, tmp_path):
     made = sound.of_probe(moving(sine(1000, 3e-3), count=1001))
     with wave.open(str(made.save(tmp_path / "s.wav", bits))) as file:
-        assert (file.getframerate(), file.getsampwidth(), file.getnframes()) == (48000, bits // 8, made.samples.size)
+        assert (file.getframerate(), file.getsampwidth(),
+                file.getnframes()) == (48000, bits // 8, made.samples.size)
 
 
 def test_a_wav_of_floats_holds_what_is_beyond_full_scale():
@@ -122,7 +133,8 @@ def test_a_wav_of_floats_holds_what_is_beyond_full_scale():
     made = sound.of_probe(result, full_scale=1e-3)
     floats, whole = read(made, "wav-float").read(), read(made, "wav-16").read()
     assert np.abs(floats - made.samples).max() <= 2.0**-24 * np.abs(floats).max()
-    assert floats.max() == pytest.approx(3, rel=0.1) and whole.max() == 1 - 2.0**-15 and whole.min() == -1
+    assert floats.max() == pytest.approx(3, rel=0.1)
+    assert whole.max() == 1 - 2.0**-15 and whole.min() == -1
     share = 1 - 2 / math.pi * math.asin(1 / 3)  # of the time in which a sine of 3 is beyond 1
     assert made.about["beyond_full_scale"] / made.samples.size == pytest.approx(share, abs=1e-2)
     assert f"{made.about['beyond_full_scale']} of 48001 samples are beyond" in made.doubts[0]
@@ -151,7 +163,8 @@ def test_a_result_that_begins_later():
 
 def test_the_slider_when_asked():
     second = sine(700, 0.3)
-    made = sound.of_probe(moving(sine(1000), count=20001, modes=(100, 60e3), slider=(sine(500), second)), 2, "slider")
+    made = sound.of_probe(moving(sine(1000), count=20001, modes=(100, 60e3),
+                                 slider=(sine(500), second)), 2, "slider")
     assert made.about["position"] == 0.02 and not made.doubts  # the resonator's modes are not in it
     assert middle_error(made.samples, lambda t: second(t) / 0.5, 48e3) < 1e-6
     assert "velocity of slider probe 2 at 0.02 m" in read(made, "wav-24").comment
@@ -159,7 +172,8 @@ def test_the_slider_when_asked():
 
 def test_normalised_only_when_asked():
     made = sound.of_probe(moving(sine(1000, 3e-3)), normalize=True)
-    assert made.about["full_scale_m_per_s"] == made.about["peak_m_per_s"] and np.abs(made.samples).max() == 1
+    assert made.about["full_scale_m_per_s"] == made.about["peak_m_per_s"] and np.abs(
+        made.samples).max() == 1
 
 
 def test_the_same_sound_is_the_same_bytes():
@@ -168,7 +182,8 @@ def test_the_same_sound_is_the_same_bytes():
         assert sound.of_probe(result).encoded(encoding) == sound.of_probe(result).encoded(encoding)
 
 
-@pytest.mark.parametrize("title, messages", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""), ("r\u00fch", "r\u00fch")])
+@pytest.mark.parametrize("title, messages", [("", ""), ("hiss\x1b[2J", "hiss[2J"), ("\u0001", ""),
+                                             ("r\u00fch", "r\u00fch")])
 def test_titles_from_outside(title, messages):
     result = moving(sine(1000, 3e-3), count=1001)
     result.title = title
@@ -177,22 +192,29 @@ def test_titles_from_outside(title, messages):
 
 def test_what_the_rates_leave_out_is_said():
     def doubts(source, modes, **options):
-        return " ".join(sound.of_probe(moving(sine(100), count=10001, rate=source, modes=modes), **options).doubts)
+        return " ".join(sound.of_probe(moving(sine(100), count=10001, rate=source, modes=modes),
+                                       **options).doubts)
 
     found = doubts(20e3, (0, 100, 9e3, 12e3, 15e3))
-    assert "2 of the resonator's modes ring above 10000 Hz" in found and "output.rate above 3e+04" in found
+    assert ("2 of the resonator's modes ring above 10000 Hz" in found
+            and "output.rate above 3e+04" in found)
     found = doubts(20e3, (0, 100, 9e3))
     assert "nothing above 10000 Hz" in found and "= 40000" in found
     assert doubts(100e3, (0, 100, 9e3)) == ""
     assert "1 of the resonator's modes are left out" in doubts(100e3, (0, 100, 9e3), rate=16000)
-    assert "silence: the probe at 0.1 m does not move" in " ".join(sound.of_probe(moving(lambda t: 0 * t)).doubts)
+    assert "silence: the probe at 0.1 m does not move" in " ".join(
+        sound.of_probe(moving(lambda t: 0 * t)).doubts)
 
 
 @pytest.mark.parametrize("options, words", [
-    ({"probe": 3}, r"--probe 3: expected 1 to 1 \(at 0.1 m\)"), ({"body": "slider"}, r"output.slider_probes = \[0.01\]"),
-    ({"slow": 0.5}, "slow is 0.5"), ({"slow": math.nan}, "slow is nan"), ({"rate": 100}, "rate is 100"),
-    ({"full_scale": 0}, "full_scale is 0"), ({"full_scale": 1e-300}, "expected a velocity near the peak"),
-    ({"full_scale": 1e300}, "expected a velocity near the peak"), ({"start": 0.05, "stop": 0.04}, "there is nothing"),
+    ({"probe": 3}, r"--probe 3: expected 1 to 1 \(at 0.1 m\)"),
+    ({"body": "slider"}, r"output.slider_probes = \[0.01\]"),
+    ({"slow": 0.5}, "slow is 0.5"), ({"slow": math.nan}, "slow is nan"),
+    ({"rate": 100}, "rate is 100"),
+    ({"full_scale": 0}, "full_scale is 0"),
+    ({"full_scale": 1e-300}, "expected a velocity near the peak"),
+    ({"full_scale": 1e300}, "expected a velocity near the peak"),
+    ({"start": 0.05, "stop": 0.04}, "there is nothing"),
     ({"stop": 7.0}, "the run ends at 1 s"), ({"start": 0.999995}, "there is one sample")])
 def test_what_cannot_be_heard(options, words):
     with pytest.raises(ra2d.RequestError, match=words):
@@ -210,9 +232,11 @@ def test_rates_that_are_too_far_apart():
 
 
 def test_the_text_beside_it():
-    about = json.loads(sound.of_probe(moving(sine(1000, 3e-3), count=10001), slow=2).about_text("noise.wav"))
+    about = json.loads(sound.of_probe(moving(sine(1000, 3e-3), count=10001),
+                                      slow=2).about_text("noise.wav"))
     assert about["file"] == "noise.wav" and about["quantity"] == "velocity" and about["slow"] == 2
-    assert (about["from"], about["to"], about["source"], about["creator"]) == (0, 0.1, "out.h5", "ra2d")
+    assert (about["from"], about["to"], about["source"],
+            about["creator"]) == (0, 0.1, "out.h5", "ra2d")
 
 
 # ---- at microphones
@@ -223,16 +247,20 @@ def test_it_is_the_pressure_over_full_scale():
     motions = sine(1000, 0.3), sine(3000, 0.03)
     heard_at = {"microphones": [[0.1, 0.2, 0.3], [1, 2, 3]], "from": 0.0, "to": 1.0}
     made = sound.of_pressure(moving(), np.array([motion(time) for motion in motions]), heard_at)
-    assert made.about["full_scale_pa"] == 0.5 and made.samples.shape == (48001, 2) and not made.doubts
+    assert made.about["full_scale_pa"] == 0.5 and made.samples.shape == (48001,
+                                                                         2) and not made.doubts
     for channel, amplitude, frequency in ((0, 0.6, 1000), (1, 0.06, 3000)):
         assert middle_error(made.samples[:, channel], sine(frequency, amplitude), 48e3) < 1e-6
     for encoding in ("wav-24", "wav-float", "flac-24"):
         assert read(made, encoding).channels == 2
-    assert "sound pressure at 0.1, 0.2, 0.3 and 1, 2, 3 m, the value 1.0 is 0.5 Pa" in read(made, "flac-24").comment
-    alone = sound.of_pressure(moving(), motions[0](time)[None, :], {**heard_at, "microphones": [[1, 2, 3]]}, slow=2)
+    comment = read(made, "flac-24").comment
+    assert "sound pressure at 0.1, 0.2, 0.3 and 1, 2, 3 m, the value 1.0 is 0.5 Pa" in comment
+    alone = sound.of_pressure(moving(), motions[0](time)[None, :],
+                              {**heard_at, "microphones": [[1, 2, 3]]}, slow=2)
     assert alone.samples.ndim == 1 and "2 times slower" in alone.describe("x.wav")
 
 
 def test_silence_is_said():
-    made = sound.of_pressure(moving(), np.zeros((1, 1000)), {"microphones": [[1, 2, 3]], "from": 0.0, "to": 0.01})
+    made = sound.of_pressure(moving(), np.zeros((1, 1000)),
+                             {"microphones": [[1, 2, 3]], "from": 0.0, "to": 0.01})
     assert made.doubts[0].startswith("silence: the resonator")

@@ -8,7 +8,8 @@ import pytest
 from ra2d import student
 
 
-@pytest.mark.parametrize("freedom, factor", [(1, 12.7062), (2, 4.3027), (4, 2.7764), (9, 2.2622), (30, 2.0423), (1e6, 1.95997)])
+@pytest.mark.parametrize("freedom, factor", [(1, 12.7062), (2, 4.3027), (4, 2.7764), (9, 2.2622),
+                                             (30, 2.0423), (1e6, 1.95997)])
 def test_factors_are_those_of_the_tables(freedom, factor):
     assert student.student_factor(freedom) == pytest.approx(factor, abs=6e-5)
 
@@ -16,7 +17,8 @@ def test_factors_are_those_of_the_tables(freedom, factor):
 def test_closed_forms():
     """One degree of freedom is Cauchy's distribution; of two P = 1 - t / sqrt(2 + t^2)."""
     for t in (0.1, 1.0, 7.0, 300.0):
-        assert student.chance_beyond(t, 1) == pytest.approx(1 - 2 / math.pi * math.atan(t), rel=1e-9)
+        assert student.chance_beyond(t,
+                                     1) == pytest.approx(1 - 2 / math.pi * math.atan(t), rel=1e-9)
         assert student.chance_beyond(t, 2) == pytest.approx(1 - t / math.sqrt(2 + t * t), rel=1e-9)
     assert student.chance_beyond(math.inf, 3) == 0
 
@@ -37,7 +39,8 @@ def test_false_alarms_are_five_of_a_hundred(scatter):
 def test_a_family_has_one_false_alarm_in_twenty():
     random = np.random.default_rng(3)
     families = random.random((5000, 30))
-    alarms = sum(min(student.for_all(dict(enumerate(map(float, family)))).values()) < 0.05 for family in families) / 5000
+    alarms = sum(min(student.for_all(dict(enumerate(map(float, family)))).values()) < 0.05
+                 for family in families) / 5000
     assert abs(alarms - 0.05) < 3 * math.sqrt(0.05 * 0.95 / 5000)
 
 

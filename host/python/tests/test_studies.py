@@ -26,7 +26,8 @@ def test_the_table_is_an_xarray_dataset_with_units(study):
 def test_law_and_means_are_those_of_analyze(study):
     answer, law = messages(study), study.law()
     for name, exponent in answer["law"]["exponents"].items():
-        assert (law[name], law[name].low, law[name].high) == (exponent["value"], exponent["low"], exponent["high"])
+        assert (law[name], law[name].low, law[name].high) == (exponent["value"], exponent["low"],
+                                                              exponent["high"])
     point = answer["points"][3]
     mean = study.means().loc[(point["speed"], point["rq"])]
     assert (mean.level, mean.level_low, mean.shock_rate_high) == (
@@ -43,10 +44,12 @@ def test_a_part_has_no_law(study):
 
 def test_it_goes_on_and_grows(base, folder):
     small = base.change(duration=0.01, rate=1e4)
-    first = ra2d.study(small.change(speed=0.7), {"speed": [0.1, 0.2]}, seeds=2, folder=folder / "grows", show=False)
+    first = ra2d.study(small.change(speed=0.7), {"speed": [0.1, 0.2]}, seeds=2,
+                       folder=folder / "grows", show=False)
     again = ra2d.study(small, {"speed": [0.1, 0.2]}, seeds=2, folder=folder / "grows", show=False)
     assert np.array_equal(first.wall_seconds, again.wall_seconds)  # nothing ran twice
-    more = ra2d.study(small, {"speed": [0.1, 0.2, 0.3]}, seeds=2, folder=folder / "grows", show=False)
+    more = ra2d.study(small, {"speed": [0.1, 0.2, 0.3]}, seeds=2,
+                      folder=folder / "grows", show=False)
     assert np.array_equal(more.wall_seconds.sel(speed=[0.1, 0.2]), first.wall_seconds)
     assert ra2d.load_study(folder / "grows").sizes["speed"] == 3
 
@@ -54,7 +57,8 @@ def test_it_goes_on_and_grows(base, folder):
 def test_a_study_that_was_cut_off_goes_on(folder):
     slow = ra2d.scene("dang2012").change(duration=0.4)  # backward Euler: seconds
     with pytest.raises(ra2d.OutOfTime):
-        ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut", max_wall=0.3, show=False)
+        ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut",
+                   max_wall=0.3, show=False)
     cut = ra2d.load_study(folder / "cut")
     assert (cut.status == 1).any() and np.isnan(cut.level.where(cut.status == 1)).all()
     whole = ra2d.study(slow, {"speed": [0.1, 0.2, 0.3, 0.4]}, folder=folder / "cut", show=False)
@@ -62,7 +66,8 @@ def test_a_study_that_was_cut_off_goes_on(folder):
 
 
 def test_failed_runs_are_told_and_missing(base, folder):
-    forced = ra2d.scene("dang2012").change({"time.force": True}, scheme="explicit-euler", duration=0.01)
+    forced = ra2d.scene("dang2012").change({"time.force": True}, scheme="explicit-euler",
+                                           duration=0.01)
     with pytest.warns(ra2d.Notice, match="1 run failed"):
         table = ra2d.study(forced, {"step": [1e-7, 5e-6]}, folder=folder / "failing", show=False)
     assert table.status.values.ravel().tolist() == [0, 3] and np.isnan(table.level[1, 0])
@@ -70,12 +75,15 @@ def test_failed_runs_are_told_and_missing(base, folder):
 
 
 def test_a_wrong_combination_is_refused(base, folder):
-    with pytest.raises(ra2d.RequestError, match="(?s)^[^\\n]*refused.toml: 1 of 2.*with start = 0.29"):
-        ra2d.study(base.change(duration=0.01), {"start": [0.1, 0.29]}, folder=folder / "refused", show=False)
+    with pytest.raises(ra2d.RequestError,
+                       match="(?s)^[^\\n]*refused.toml: 1 of 2.*with start = 0.29"):
+        ra2d.study(base.change(duration=0.01), {"start": [0.1, 0.29]},
+                   folder=folder / "refused", show=False)
 
 
 def test_a_study_without_law_says_why(base, folder):
-    one = ra2d.study(base.change(duration=0.01), {"load": ["weight", 1.0]}, folder=folder / "words", show=False)
+    one = ra2d.study(base.change(duration=0.01), {"load": ["weight", 1.0]},
+                     folder=folder / "words", show=False)
     assert one["load"].values.tolist() == ["weight", "1.0"]
     with pytest.raises(ra2d.RequestError, match="no law"):
         one.law()
@@ -101,18 +109,22 @@ def test_wrong_requests(base, folder):
 
 
 def test_sound_is_a_column_with_a_law(folder):
-    base = ra2d.scene("dang2012").change({"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.5}]}, duration=0.01,
+    base = ra2d.scene("dang2012").change({"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.5}]},
+                                         duration=0.01,
                                          tolerance=1e-6, rate=4e4)
-    heard = ra2d.study(base, vary={"speed": [0.1, 0.2, 0.4]}, seeds=2, folder=folder / "heard", keep_sound=True, show=False)
+    heard = ra2d.study(base, vary={"speed": [0.1, 0.2, 0.4]}, seeds=2, folder=folder / "heard",
+                       keep_sound=True, show=False)
     assert heard.lpa.shape == (3, 2) and heard.lw.units == "dB" and np.isfinite(heard.lwa).all()
     messages_of = messages(heard)["sound_laws"]["lpa"]
     law = heard.law("lpa")
     assert law["speed"] == messages_of["exponents"]["speed"]["value"] and law.amplitude in repr(law)
-    assert heard.means().loc[0.2, "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
+    assert heard.means().loc[0.2,
+                             "lpa"] == pytest.approx(float(heard.lpa.mean("seed").sel(speed=0.2)))
     text = heard.report(folder / "heard.html").read_text()
     assert "pressure, dB(A)" in text and "A-weighted" in text
     written = [text.get_text() for text in heard.plot().findobj(matplotlib.text.Text)]
-    assert any(f"p_rms, A-weighted, ~ speed^{float(law['speed']):.3f}" in text for text in written), written
+    assert any(f"p_rms, A-weighted, ~ speed^{float(law['speed']):.3f}" in text
+               for text in written), written
     with pytest.raises(ra2d.RequestError, match="expected 'v_rms', 'lp'"):
         heard.law("loudness")
 

@@ -45,7 +45,8 @@ class Ra2d(CMakePackage, CudaPackage):
     depends_on("mpi", when="+mpi")
     with when("+python"):
         depends_on("python@3.11:", type="run")
-        for module in ("h5py", "jinja2", "matplotlib", "numpy", "pandas", "scipy", "soundfile", "xarray"):
+        for module in ("h5py", "jinja2", "matplotlib", "numpy", "pandas", "scipy",
+                       "soundfile", "xarray"):
             depends_on(f"py-{module}", type="run")
 
     generator("ninja")
