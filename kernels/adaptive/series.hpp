@@ -224,37 +224,7 @@ class ModalSeries {
     const Real at(x);
     Real force[packs];  // bound on |F''|
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
-    int single_nodes = contacts_.count;
-    if constexpr (has_clusters)
-      if (clusters_.exist()) {
-        clusters_.add_force_bounds(hulls_, motion_.advance * (scale_ / motion_.time_step), force);
-        single_nodes = 0;
-      }
-    for (int e = 0; e < single_nodes; ++e) {
-      const Hull& h = hulls_[e];
-      const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
-      const double* phi = buffers_.shapes + e * (4 * row);
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        const Real q1 = Kokkos::abs(load_pack(lanes_, phi + row, p)),
-                   q2 = Kokkos::abs(load_pack(lanes_, phi + 2 * row, p)),
-                   q3 = Kokkos::abs(load_pack(lanes_, phi + 3 * row, p));
-        const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
-        const Real p1 = multiply_add(p2, at, q1);
-        const Real p0 = multiply_add(p1, at, Kokkos::abs(load_pack(lanes_, phi, p)));
-        force[p] = multiply_add(contact_.node_stiffness * h.curvature, p0, force[p]);
-        force[p] = multiply_add(2.0 * contact_.node_stiffness * o1, p1, force[p]);
-        force[p] = multiply_add(contact_.node_stiffness * o0, p2, force[p]);
-      }
-    }
-    if (forces_.count > 0)
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        Real sum(0.0);
-        for (int j = adaptive_.order; j >= 2; --j)
-          sum = multiply_add(
-              sum, at,
-              Real(j * (j - 1.0)) * Kokkos::abs(load_pack(lanes_, buffers_.forces + j * row, p)));
-        force[p] = force[p] + sum;
-      }
+    add_force_bounds(at, force);
     Real travel(0.0), fourth_derivative(0.0), tail(0.0), size(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real g =
@@ -418,6 +388,41 @@ class ModalSeries {
     return of_second <= bearable ? 2 : of_third <= bearable ? 3 : 4;
   }
 
+  /// Adds to `force` bounds on |F''| up to x = `at`, of the nodes in contact and the moving forces.
+  RA2D_FUNCTION void add_force_bounds(const Real& at, Real* force) const {
+    int single_nodes = contacts_.count;
+    if constexpr (has_clusters)
+      if (clusters_.exist()) {
+        clusters_.add_force_bounds(hulls_, motion_.advance * (scale_ / motion_.time_step), force);
+        single_nodes = 0;
+      }
+    for (int e = 0; e < single_nodes; ++e) {
+      const Hull& h = hulls_[e];
+      const double o0 = Kokkos::max(h.most, -h.least), o1 = Kokkos::max(h.rising, -h.falling);
+      const double* phi = buffers_.shapes + e * (4 * row);
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
+        const Real q1 = Kokkos::abs(load_pack(lanes_, phi + row, p)),
+                   q2 = Kokkos::abs(load_pack(lanes_, phi + 2 * row, p)),
+                   q3 = Kokkos::abs(load_pack(lanes_, phi + 3 * row, p));
+        const Real p2 = multiply_add(Real(6.0) * q3, at, Real(2.0) * q2);
+        const Real p1 = multiply_add(p2, at, q1);
+        const Real p0 = multiply_add(p1, at, Kokkos::abs(load_pack(lanes_, phi, p)));
+        force[p] = multiply_add(contact_.node_stiffness * h.curvature, p0, force[p]);
+        force[p] = multiply_add(2.0 * contact_.node_stiffness * o1, p1, force[p]);
+        force[p] = multiply_add(contact_.node_stiffness * o0, p2, force[p]);
+      }
+    }
+    if (forces_.count > 0)
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
+        Real sum(0.0);
+        for (int j = adaptive_.order; j >= 2; --j)
+          sum = multiply_add(
+              sum, at,
+              Real(j * (j - 1.0)) * Kokkos::abs(load_pack(lanes_, buffers_.forces + j * row, p)));
+        force[p] = force[p] + sum;
+      }
+  }
+
   /// Contacts whose sums over many packs of modes are found side by side: one by itself waits for
   /// each addition.
   static constexpr int side_by_side = packs > 3 && width < 32 ? 4 : 1;
@@ -476,7 +481,13 @@ class ModalSeries {
       }
     }
     lanes_.sync();
-    if (j + 2 > adaptive_.order) return;
+    if (j + 2 <= adaptive_.order) add_contact_forces<terms, count>(e, j, overs, force);
+  }
+  /// Adds the springs' force of these contacts, of order j; `overs`: the overlaps' terms of it.
+  template <int terms, int count>
+  KOKKOS_FORCEINLINE_FUNCTION void add_contact_forces(int e, int j, const double* overs,
+                                                      Real* force) const {
+    const double* const shapes = buffers_.shapes + e * (4 * row);
     double f[count][4];  // of the orders j to j - 3
     for (int i = 0; i < count; ++i) {
       const double* const o = overlap(e + i);
@@ -484,11 +495,12 @@ class ModalSeries {
       for (int before = 1; before < terms; ++before)
         f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
     }
-    for (int p = 0; p < modal_packs; ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real sum = force[p];
       for (int i = 0; i < count; ++i)
         for (int term = terms - 1; term >= 0; --term)
-          sum = multiply_add(f[i][term], phi(i, term, p), sum);
+          sum = multiply_add(f[i][term], load_pack(lanes_, shapes + i * (4 * row) + term * row, p),
+                             sum);
       force[p] = sum;
     }
   }
