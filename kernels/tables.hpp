@@ -137,10 +137,6 @@ inline constexpr int tile_nodes = 32, tile_rows = 8;
 /// that are kept; rows of modes that are kept of a place, the last one the slider's own.
 inline constexpr int cluster_reach = 2, most_clusters = 48, most_places = 160;
 inline constexpr int cluster_rows = 11, cluster_own = 10;
-/// Terms of a polynomial of two variables.
-KOKKOS_FORCEINLINE_FUNCTION constexpr int cluster_sums(int degree) {
-  return (degree + 1) * (degree + 2) / 2;
-}
 
 /// Nodes of an areal scene that can be evaluated at once, whatever the memory.
 inline constexpr int most_areal_nodes = 1 << 16;

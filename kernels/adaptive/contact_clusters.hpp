@@ -13,6 +13,9 @@
 
 namespace ra2d {
 
+/// Terms of a polynomial of two variables.
+RA2D_FUNCTION constexpr int cluster_sums(int degree) { return (degree + 1) * (degree + 2) / 2; }
+
 /// Nodes in contact that stand close together share their sums over the modes.
 ///
 /// A contact of an areal scene has tens of nodes within a fraction of the modes' shortest wave
