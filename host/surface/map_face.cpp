@@ -10,7 +10,9 @@
 #include "host/base/errors.hpp"
 #include "host/scene/names.hpp"
 #include "host/surface/map_file.hpp"
+#include "host/surface/map_spline.hpp"
 #include "host/surface/prepared_face.hpp"
+#include "host/surface/profile.hpp"
 #include "host/surface/random_map.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/sum.hpp"
@@ -18,7 +20,8 @@
 namespace ra2d {
 namespace {
 
-constexpr double drift = 1e-3;  // of a spacing, over a whole map: its points are the nodes
+constexpr double drift = 1e-3;           // of a spacing, over a whole map: its points are the nodes
+constexpr double unknown_between = 0.1;  // of Sq, that a spline through every other point misses
 
 [[noreturn]] void refuse_measured_map(const std::filesystem::path& file, const std::string& why) {
   throw RequestError(fmt::format("{}: {}", file.string(), why));
@@ -34,40 +37,42 @@ MapQuery map_query_of(const FilePreparation& how) {
   return query;
 }
 
-/// Points of a map along one direction.
+/// A map and the nodes along one direction.
 struct MapAxis {
-  const char *offset_key, *spacing_key;
-  double points;       // that it has
+  const char* offset_key;
+  double points;       // that the map has
   double own;          // m, its spacing
-  double spacing;      // m, of the scene
+  double spacing;      // m, of the nodes
   double offset;       // m, from the nodes' beginning to the map's
-  double first, last;  // nodes that it has to give a height
+  double within;       // of a spacing: where in its strip a point or a node stands
+  double first, last;  // nodes that need a height
+
+  /// Whether each node from the map's beginning on stands on a point.
+  bool is_on_points() const {
+    const double nodes = offset / spacing;
+    return std::abs(own - spacing) * points <= drift * spacing &&
+           std::abs(nodes - std::round(nodes)) <= drift;
+  }
+  /// The nodes 0 ... last among the map's points.
+  PlacesOnLine places() const {
+    const auto count = static_cast<std::size_t>(last) + 1;
+    if (is_on_points()) return {-std::round(offset / spacing), 1, count};
+    return {(within * spacing - offset) / own - within, spacing / own, count};
+  }
 };
 
-void check_map_spacing(const std::filesystem::path& file, const MapAxis& axis) {
-  if (std::abs(axis.own - axis.spacing) * axis.points <= drift * axis.spacing) return;
-  refuse_measured_map(
-      file, fmt::format("its points are {:.10g} m apart, and the nodes {:.10g} m: maps are taken "
-                        "node for node: expected {} = {:.10g}, or another map",
-                        axis.own, axis.spacing, axis.spacing_key, axis.own));
-}
-
-/// Nodes from the nodes' beginning to the map's.
-double nodes_to_map(const std::filesystem::path& file, const MapAxis& axis) {
-  const double nodes = axis.offset / axis.spacing, whole = std::round(nodes);
-  if (!(std::abs(nodes - whole) <= drift))
-    refuse_measured_map(
-        file, fmt::format("{}: its points fall {:.3g} of a spacing from the nodes, and maps are "
-                          "taken node for node: expected {:.10g} m less, or {:.10g} m more",
-                          axis.offset_key, std::abs(nodes - whole),
-                          (nodes - std::floor(nodes)) * axis.spacing,
-                          (std::ceil(nodes) - nodes) * axis.spacing));
-  if (whole > axis.first)
+/// Where the nodes stand among the map's points. The map may begin up to half a spacing behind
+/// them.
+PlacesOnLine places_on_map(const std::filesystem::path& file, const MapAxis& axis) {
+  const PlacesOnLine places = axis.places();
+  const double before = -0.5 - drift - places[static_cast<std::size_t>(axis.first)];
+  if (before > 0)
     refuse_measured_map(
         file, fmt::format("{}: it begins {:.10g} m behind the first node that is touched: expected "
                           "at least that much less",
-                          axis.offset_key, (whole - axis.first) * axis.spacing));
-  return whole;
+                          axis.offset_key,
+                          (axis.is_on_points() ? std::ceil(before) : before) * axis.own));
+  return places;
 }
 
 /// Height and slope along x of rows of `nx` nodes.
@@ -102,6 +107,42 @@ HeightMap wide_enough(HeightMap map, const SurfaceSpec& spec, const std::filesys
                       file.string());
 }
 
+/// The heights of the points on which the nodes stand; before the first one it is level.
+std::vector<double> points_at(const HeightMap& map, const PlacesOnLine& x, const PlacesOnLine& y) {
+  std::vector<double> heights;
+  heights.reserve(x.count * y.count);
+  for (std::size_t j = 0; j < y.count; ++j)
+    for (std::size_t i = 0; i < x.count; ++i)
+      heights.push_back(
+          map.at(static_cast<std::size_t>(std::max(0.0, x[i])), static_cast<std::size_t>(y[j])));
+  return heights;
+}
+
+/// What nodes of another spacing than the map's may not show, or show and is not in the map.
+/// `slope`: of the nodes along x, root mean square.
+void doubt_between(const std::filesystem::path& file, const HeightMap& map, const MapAxis& along,
+                   const MapAxis& across, double slope, std::vector<std::string>& doubts) {
+  const double own = extent_of_rows(map.heights, map.nx, map.spacing).slope;
+  if (along.own < along.spacing && slope < (1 - most_slope_lost) * own)
+    doubts.push_back(fmt::format(
+        "{}: nodes {:.4g} m apart show a root mean square slope of {:.3g}, {:.0f} % less than the "
+        "points, {:.4g} m apart: shorter waves are cut. A scene.spacing nearer to the points shows "
+        "them",
+        file.string(), along.spacing, slope, 100 * (1 - slope / own), along.own));
+  if (along.own <= along.spacing && across.own <= across.spacing) return;
+  const double miss = map_spline_miss(map),
+               rms = std::sqrt(
+                   compensated_sum(map.heights.size(),
+                                   [&](std::size_t i) { return map.heights[i] * map.heights[i]; }) /
+                   static_cast<double>(map.heights.size()));
+  if (miss > unknown_between * rms)
+    doubts.push_back(fmt::format(
+        "{}: a spline through every other point misses those between by {:.2g} m, root mean "
+        "square, {:.0f} % of Sq: between its points this face is little known. A finer map is "
+        "needed, or a scene.spacing no finer than the map's",
+        file.string(), miss, 100 * miss / rms));
+}
+
 std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
                                  const std::filesystem::path& file,
                                  std::vector<std::string>* doubts) {
@@ -119,34 +160,32 @@ std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
   }
   if (doubts != nullptr)
     for (const std::string& what : odd) doubts->push_back(in_keys(what));
-  const MapAxis x{"offset_x",
-                  "scene.spacing",
-                  static_cast<double>(map.nx),
-                  map.spacing,
-                  nodes.spacing,
-                  how.offset_x.value_or(0),
-                  static_cast<double>(nodes.first),
-                  static_cast<double>(nodes.nx - 1)};
-  const MapAxis y{"offset_y",
-                  "scene.spacing_y",
-                  static_cast<double>(map.ny),
-                  map.spacing_y,
-                  nodes.spacing_y,
-                  how.offset_y.value_or(nodes.side) - nodes.side,
-                  0,
-                  static_cast<double>(nodes.rows - 1)};
-  for (const MapAxis& axis : {x, y}) check_map_spacing(file, axis);
-  const double right = nodes_to_map(file, x), up = nodes_to_map(file, y);
-  map = wide_enough(std::move(map), spec, file, x.last - right + 1, y.last - up + 1, doubts);
-  std::vector<double> heights;
-  heights.reserve(nodes.nx * nodes.rows);
-  for (std::size_t j = 0; j < nodes.rows; ++j) {
-    const auto row = static_cast<std::size_t>(static_cast<double>(j) - up);
-    for (std::size_t i = 0; i < nodes.nx; ++i) {
-      const double point = std::max(0.0, static_cast<double>(i) - right);
-      heights.push_back(map.at(static_cast<std::size_t>(point), row));
-    }
-  }
+  const MapAxis along{"offset_x",
+                      static_cast<double>(map.nx),
+                      map.spacing,
+                      nodes.spacing,
+                      how.offset_x.value_or(0),
+                      0,
+                      static_cast<double>(nodes.first),
+                      static_cast<double>(nodes.nx - 1)};
+  const MapAxis across{"offset_y",
+                       static_cast<double>(map.ny),
+                       map.spacing_y,
+                       nodes.spacing_y,
+                       how.offset_y.value_or(nodes.side) - nodes.side,
+                       0.5,
+                       0,
+                       static_cast<double>(nodes.rows - 1)};
+  const PlacesOnLine x = places_on_map(file, along), y = places_on_map(file, across);
+  const auto points = [](const PlacesOnLine& places) {
+    return std::ceil(places.last() + 0.5 - drift);
+  };
+  map = wide_enough(std::move(map), spec, file, points(x), points(y), doubts);
+  const bool on_points = along.is_on_points() && across.is_on_points();
+  std::vector<double> heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
+  if (!on_points && doubts != nullptr)
+    doubt_between(file, map, along, across, extent_of_rows(heights, nodes.nx, nodes.spacing).slope,
+                  *doubts);
   check_proportion(file, extent_of_rows(heights, nodes.nx, nodes.spacing),
                    {"body", nodes.length, nodes.thickness}, doubts);
   return heights;

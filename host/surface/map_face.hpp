@@ -22,12 +22,12 @@ struct MapNodes {
 };
 
 /// Heights [m] at the nodes, row after row, positive towards the opposite body. A random map begins
-/// at the first node and strip. A measured one is taken as it stands, node for node, less its mean;
-/// it begins where its offsets say, and in front of it, where nothing touches, it goes on level.
-/// `scene_file` anchors a relative path; `doubts` takes a sentence for each value that looks wrong
-/// but may be intended. Throws RequestError for a map that cannot be used: of other spacings, with
-/// gaps, too small, between the nodes, or of more points than memory holds; FileError where it
-/// cannot be read.
+/// at the first node and strip. A measured one, less its mean, begins where its offsets say: node
+/// for node where its points are the nodes, else by its bicubic spline (map_on_spline); in front of
+/// it, where nothing touches, it goes on level. `scene_file` anchors a relative path; `doubts`
+/// takes a sentence for each value that looks wrong but may be intended. Throws RequestError for a
+/// map that cannot be used: with gaps, too small, or of more points than memory holds; FileError
+/// where it cannot be read.
 std::vector<double> map_face(const SurfaceSpec& spec, const MapNodes& nodes,
                              const std::filesystem::path& scene_file,
                              std::vector<std::string>* doubts);

@@ -30,16 +30,21 @@ std::vector<double> spline_curvatures(const std::vector<double>& height) {
   return curvature;
 }
 
-double spline_miss(const std::vector<double>& height) {
-  std::vector<double> coarse;
+std::vector<double> spline_misses(const std::vector<double>& height) {
+  std::vector<double> coarse, misses;
   for (std::size_t i = 0; i < height.size(); i += 2) coarse.push_back(height[i]);
   const std::vector<double> curvature = spline_curvatures(coarse);
-  double most = 0;
   for (std::size_t i = 0; i + 1 < coarse.size(); ++i) {
     const double between =
         0.5 * (coarse[i] + coarse[i + 1]) - 0.0625 * (curvature[i] + curvature[i + 1]);
-    most = std::max(most, std::abs(between - height[2 * i + 1]));
+    misses.push_back(between - height[2 * i + 1]);
   }
+  return misses;
+}
+
+double spline_miss(const std::vector<double>& height) {
+  double most = 0;
+  for (const double miss : spline_misses(height)) most = std::max(most, std::abs(miss));
   return most;
 }
 

@@ -11,9 +11,12 @@ namespace ra2d {
 /// nodes it is a straight line.
 std::vector<double> spline_curvatures(const std::vector<double>& height);
 
-/// How far the spline through every other node misses those that it leaves out, at the most [m]:
-/// some sixteen times what the spline through all of them is off by between them, where the face is
-/// smooth on this spacing. Steps and single spikes miss by their own height.
+/// How far the spline through every other node misses each that it leaves out [m]: some sixteen
+/// times what the spline through all of them is off by between them, where the face is smooth on
+/// this spacing. Steps and single spikes miss by their own height.
+std::vector<double> spline_misses(const std::vector<double>& height);
+
+/// The largest of them [m].
 double spline_miss(const std::vector<double>& height);
 
 }  // namespace ra2d

@@ -23,6 +23,7 @@
 #include "host/study/study_table.hpp"
 #include "host/surface/random_map.hpp"
 #include "tests/child.hpp"
+#include "tests/numbers.hpp"
 #include "tests/places.hpp"
 
 namespace ra2d {
@@ -359,20 +360,64 @@ TEST_F(MeasuredMaps, AreRefusedWithTheCure) {
   expect("path=\"deep.txt\",z_unit=\"m\"", {"the heights span 0.003 m on a body 0.005 m thick"});
   expect("path=\"ragged.txt\"", {"ragged.txt"});
   expect("path=\"gap.txt\"", {"row 2, point 2", "fill linear:WIDTH"});
-  expect("path=\"block.txt\",offset_x=5e-5", {"offset_x", "0.5 of a spacing"});
+  expect("path=\"block.txt\",offset_x=1e-4", {"offset_x", "0.0001 m behind the first node"});
+  EXPECT_EQ(refused("path=\"block.txt\",offset_x=5e-5"), "taken");
+  expect("path=\"block.txt\",offset_x=6e-5", {"offset_x", "9.9e-06 m behind the first node"});
   expect("path=\"block.txt\",offset_y=2e-4", {"offset_y", "0.0002 m behind the first node"});
   EXPECT_THAT(
       refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\"}"}, folder_.path() / "s.toml"),
       AllOf(HasSubstr("give that along x with spacing"), HasSubstr("spacing_y")));
   EXPECT_THAT(
-      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\",spacing=9e-5,spacing_y=2e-4}"},
+      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\",spacing=9e-5,spacing_y=1e-4}"},
                  folder_.path() / "s.toml"),
-      AllOf(HasSubstr("9e-05 m apart, and the nodes 0.0001 m"),
-            HasSubstr("expected scene.spacing = 9e-05")));
-  EXPECT_THAT(
-      refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\",spacing=1e-4,spacing_y=1e-4}"},
-                 folder_.path() / "s.toml"),
-      HasSubstr("expected scene.spacing_y = 0.0001"));
+      AllOf(HasSubstr("11 by 6 points, and up to 12 by 11 are touched"),
+            HasSubstr("short = \"repeat\"")));
+}
+
+/// Between its points a map is its bicubic spline, and that of a cubic is the cubic.
+TEST_F(MeasuredMaps, OfOtherSpacingsAreSplines) {
+  const double dx = 2.3e-4, dy = 1.7e-4, left = -1e-4, below = -3.1e-4;  // of the map's points
+  const auto cubic = [](double x, double y) {
+    x /= 1e-3, y /= 1e-3;
+    return 1e-6 * (x * x * x - x * x * y + 0.5 * y * y * y + 2 * x * y * y - y);
+  };
+  const auto point = [&](int i, int j) { return cubic(left + dx * i, below + dy * (j + 0.5)); };
+  const int nx = 7, ny = 12;
+  write("cubic.txt", nx, ny, point);
+  double mean = 0;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) mean += point(i, j) / (nx * ny);
+  const Model m = make_model(
+      areal({"slider.surface={kind=\"file\",path=\"cubic.txt\",spacing=2.3e-4,spacing_y=1.7e-4,"
+             "offset_x=-1e-4,offset_y=-3.1e-4}"},
+            folder_.path() / "s.toml"));
+  // splines of so few points: some ten roundings of the largest height, and of places that are
+  // known to some roundings of the distance of two points
+  for (int j = 0; j < m.rows; ++j)
+    for (int i = 0; i < m.row_nodes(); ++i)
+      EXPECT_NEAR(m.slider_height[static_cast<std::size_t>(m.row_nodes() * j + i)],
+                  cubic(1e-4 * i, 2e-4 * (j + 0.5)) - mean, 200 * test::eps * 5e-6)
+          << i << ' ' << j;
+}
+
+TEST_F(MeasuredMaps, OfOtherSpacingsAreDoubted) {
+  const auto doubts = [&](const char* name, double spacing, double length) {
+    const int nx = static_cast<int>(1e-3 / spacing) + 2,
+              ny = static_cast<int>(1.2e-3 / spacing) + 2;
+    write(name, nx, ny, [&](int i, int j) {
+      return 1e-6 * std::cos(6.283 * spacing * i / length) * std::cos(6.283 * spacing * j / length);
+    });
+    const std::string face =
+        fmt::format(R"(slider.surface={{kind="file",path="{}",spacing={}}})", name, spacing);
+    return make_model(areal({face}, folder_.path() / "s.toml")).doubts;
+  };
+  using testing::Contains;
+  EXPECT_THAT(doubts("smooth.txt", 1.5e-4, 4e-3), Not(Contains(HasSubstr("spline"))));
+  EXPECT_THAT(doubts("rough.txt", 1.5e-4, 4e-4),
+              Contains(AllOf(HasSubstr("rough.txt"), HasSubstr("this face is little known"))));
+  EXPECT_THAT(doubts("fine.txt", 2e-5, 3e-4),
+              Contains(AllOf(HasSubstr("fine.txt"), HasSubstr("nodes 0.0001 m apart show"),
+                             HasSubstr("A scene.spacing nearer to the points"))));
 }
 
 // ---- what is refused

@@ -265,10 +265,8 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
                               {"time.tolerance": max(time.get("tolerance", 1e-8) / 10, 1e-13)})
     else:
         cases["step"] = _other_step(what, time["step"])
-    if not has_measured_map(complete):  # which is taken node for node
-        spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
-        cases["spacing"] = ("half",
-                            {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
+    spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
+    cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
     modes = _with_modes(complete, bodies, 1.5)
     if modes:
@@ -391,8 +389,8 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
         warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
     runs = _runs(table, [AS_GIVEN, *cases])
-    notes = ["spacing: a measured map is taken node for node, so what a finer one would change is "
-             "not in this budget"
+    notes = ["spacing: between the points of a measured map stands their spline; what finer points "
+             "would show is not in this budget"
              ] if has_measured_map(complete) else []
     return _of_runs(runs, cases, faces, table, notes)
 

@@ -283,22 +283,23 @@ class _MeasuredMap:
 def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
     scene, slider = complete["scene"], complete["slider"]
     face = Surface(complete[body]["surface"])
-    along, across = float(scene["spacing"]), float(scene["spacing_y"])
     words = [str(word) for name in ("spacing", "spacing_y", "z_unit", "decimal", "fill", "form")
              if name in face
              for word in ("--" + name.replace("_", "-"), face[name])]
     with program.scratch() as folder:
-        program.call("surface", "map", face["path"], *words, "-o", folder / "map.npy")
+        told = program.ask("surface", "map", face["path"], *words, "-o", folder / "map.npy")
         heights = np.asarray(np.load(folder / "map.npy"), dtype=float)
     begins, side, travel = 0.0, 0.0, 0.0
     if body == "resonator":
         begins, side = float(scene["start"]), float(scene["side"])
         travel = float(scene["speed"]) * float(scene["duration"])
-    first = (round((side - float(face.get("offset_y", side))) / across),
-             math.floor((begins - float(face.get("offset_x", 0.0))) / along + 1e-9))
-    size = (round(float(slider["width"]) / across),
-            round(float(slider["length"]) / along) + 1 + (math.ceil(travel / along) + 1
-                                                          if body == "resonator" else 0))
+    along, across = float(told["spacing"]), float(told["spacing_y"])
+    few = 1e-6  # of a point: roundings
+    first = (math.floor((side - float(face.get("offset_y", side))) / across + few),
+             math.floor((begins - float(face.get("offset_x", 0.0))) / along + few))
+    size = (math.ceil(float(slider["width"]) / across - few),
+            math.ceil(float(slider["length"]) / along - few) + 1
+            + (math.ceil(travel / along) + 1 if body == "resonator" else 0))
     return _MeasuredMap(body, face, heights, (across, along), first, size)
 
 
