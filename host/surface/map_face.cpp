@@ -65,8 +65,8 @@ struct MapAxis {
 /// them.
 PlacesOnLine places_on_map(const std::filesystem::path& file, const MapAxis& axis) {
   const PlacesOnLine places = axis.places();
-  const double before = -0.5 - drift - places[static_cast<std::size_t>(axis.first)];
-  if (before > 0)
+  const double before = -0.5 - places[static_cast<std::size_t>(axis.first)];
+  if (before > drift)
     refuse_measured_map(
         file, fmt::format("{}: it begins {:.10g} m behind the first node that is touched: expected "
                           "at least that much less",
@@ -118,8 +118,8 @@ std::vector<double> points_at(const HeightMap& map, const PlacesOnLine& x, const
   return heights;
 }
 
-/// What nodes of another spacing than the map's may not show, or show and is not in the map.
-/// `slope`: of the nodes along x, root mean square.
+/// Doubts where the nodes stand between the points: waves that the nodes are too far apart for, and
+/// heights that the map does not know. `slope`: of the nodes along x, root mean square.
 void doubt_between(const std::filesystem::path& file, const HeightMap& map, const MapAxis& along,
                    const MapAxis& across, double slope, std::vector<std::string>& doubts) {
   const double own = extent_of_rows(map.heights, map.nx, map.spacing).slope;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t a_block = 64;  // rows or columns
 /// Points further away than that move a spline by less than a rounding: their weight falls by 3.7
 /// from point to point.
-constexpr std::size_t reach = 40;
+constexpr std::size_t neighbours = 40;
 
 /// A place on the spline through heights z with the curvatures c: z[i] of_z[0] + z[i + 1] of_z[1] +
 /// c[i] of_c[0] + c[i + 1] of_c[1].
@@ -88,7 +88,7 @@ HeightMap map_on_spline(const HeightMap& map, const PlacesOnLine& x, const Place
     return static_cast<std::size_t>(std::clamp(place, 0.0, rows));
   };
   const std::size_t low = row(std::floor(y.first)), high = row(std::ceil(y.last()));
-  const std::size_t first = low > reach ? low - reach : 0, end = std::min(map.ny, high + reach + 1);
+  const std::size_t first = low > neighbours ? low - neighbours : 0, end = std::min(map.ny, high + neighbours + 1);
   PlacesOnLine in_part = y;
   in_part.first -= static_cast<double>(first);
   return along_columns(along_rows(map, first, end - first, x), in_part);

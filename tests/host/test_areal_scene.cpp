@@ -362,7 +362,7 @@ TEST_F(MeasuredMaps, AreRefusedWithTheCure) {
   expect("path=\"gap.txt\"", {"row 2, point 2", "fill linear:WIDTH"});
   expect("path=\"block.txt\",offset_x=1e-4", {"offset_x", "0.0001 m behind the first node"});
   EXPECT_EQ(refused("path=\"block.txt\",offset_x=5e-5"), "taken");
-  expect("path=\"block.txt\",offset_x=6e-5", {"offset_x", "9.9e-06 m behind the first node"});
+  expect("path=\"block.txt\",offset_x=6e-5", {"offset_x", "1e-05 m behind the first node"});
   expect("path=\"block.txt\",offset_y=2e-4", {"offset_y", "0.0002 m behind the first node"});
   EXPECT_THAT(
       refusal_of({"slider.surface={kind=\"file\",path=\"block.txt\"}"}, folder_.path() / "s.toml"),

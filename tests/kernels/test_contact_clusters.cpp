@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
@@ -332,7 +333,7 @@ TEST(ContactClusters, LeaveSingleNodesAlone) {
 /// Places are kept for a window; when there is no room for more, all begin anew.
 TEST(ContactClusters, ComeToTheSameBitsWhateverPlacesAreKept) {
   Scene m(1e-6, 60, 120), fresh(1e-6, 60, 120);
-  const Place place = SliderPath(m.t.motion).at(1'000'000);
+  const auto to_next_node = static_cast<std::int64_t>(1 / m.t.motion.advance);
   Dice dice(7);
   int places = 0;
   for (int trial = 0; trial < 60; ++trial) {
@@ -342,6 +343,7 @@ TEST(ContactClusters, ComeToTheSameBitsWhateverPlacesAreKept) {
         {m.s.carried.contacts.nodes, m.s.carried.contacts.nodes + m.s.carried.contacts.count});
     fresh.u = m.u, fresh.v = m.v;
     fresh.s.marks.places_window = -1;
+    const Place place = SliderPath(m.t.motion).at(1'000'000 + trial / 20 * to_next_node);
     ASSERT_TRUE(m.modal_series().expand(m.u.data(), m.v.data(), place, 3e-6));
     ASSERT_TRUE(fresh.modal_series().expand(m.u.data(), m.v.data(), place, 3e-6));
     places += fresh.s.marks.places_used;

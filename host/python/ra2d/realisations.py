@@ -287,13 +287,13 @@ def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
              if name in face
              for word in ("--" + name.replace("_", "-"), face[name])]
     with program.scratch() as folder:
-        told = program.ask("surface", "map", face["path"], *words, "-o", folder / "map.npy")
+        described = program.ask("surface", "map", face["path"], *words, "-o", folder / "map.npy")
         heights = np.asarray(np.load(folder / "map.npy"), dtype=float)
     begins, side, travel = 0.0, 0.0, 0.0
     if body == "resonator":
         begins, side = float(scene["start"]), float(scene["side"])
         travel = float(scene["speed"]) * float(scene["duration"])
-    along, across = float(told["spacing"]), float(told["spacing_y"])
+    along, across = float(described["spacing"]), float(described["spacing_y"])
     few = 1e-6  # of a point: roundings
     first = (math.floor((side - float(face.get("offset_y", side))) / across + few),
              math.floor((begins - float(face.get("offset_x", 0.0))) / along + few))
