@@ -88,7 +88,8 @@ HeightMap map_on_spline(const HeightMap& map, const PlacesOnLine& x, const Place
     return static_cast<std::size_t>(std::clamp(place, 0.0, rows));
   };
   const std::size_t low = row(std::floor(y.first)), high = row(std::ceil(y.last()));
-  const std::size_t first = low > neighbours ? low - neighbours : 0, end = std::min(map.ny, high + neighbours + 1);
+  const std::size_t first = low > neighbours ? low - neighbours : 0,
+                    end = std::min(map.ny, high + neighbours + 1);
   PlacesOnLine in_part = y;
   in_part.first -= static_cast<double>(first);
   return along_columns(along_rows(map, first, end - first, x), in_part);
