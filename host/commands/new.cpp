@@ -17,6 +17,7 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/model/model.hpp"
+#include "host/plan/point_contacts.hpp"
 #include "host/scene_file/materials.hpp"
 #include "host/scene_file/new_scene.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -34,7 +35,8 @@ constexpr const char* example_line =
 struct NewRequest {
   std::filesystem::path output;
   std::vector<std::string> answers;  // to the questions, in their order
-  bool lists_materials = false, force = false, quiet = false;
+  bool areal = false, lists_materials = false, force = false, quiet = false;
+  SceneKind kind() const { return areal ? SceneKind::areal : SceneKind::plane; }
 };
 
 int list_materials() {
@@ -65,9 +67,9 @@ std::string ask(const NewSceneQuestion& question) {
   return std::string(trimmed(line));
 }
 
-NewScene ask_all() {
+NewScene ask_all(SceneKind kind) {
   say("a new scene. Enter takes what stands in brackets; numbers stand with their unit");
-  NewScene scene = usual_new_scene();
+  NewScene scene = usual_new_scene(kind);
   for (const NewSceneQuestion& question : new_scene_questions())
     for (bool is_taken = false; !is_taken;) {
       const std::string answer = ask(question);
@@ -84,7 +86,7 @@ NewScene ask_all() {
 }
 
 NewScene take_options(const NewRequest& request) {
-  NewScene scene = usual_new_scene();
+  NewScene scene = usual_new_scene(request.kind());
   const auto questions = new_scene_questions();
   for (std::size_t i = 0; i < questions.size(); ++i) {
     if (request.answers[i].empty()) continue;
@@ -129,14 +131,15 @@ int make_new(const NewRequest& request) {
   if (request.output.empty())
     throw RequestError(fmt::format("new: which file? For example: {}", example_line));
   require_new(request);
-  const bool asks = !any_answer(request);
-  if (asks && (isatty(STDIN_FILENO) == 0 || isatty(STDERR_FILENO) == 0))
+  const bool has_terminal = isatty(STDIN_FILENO) != 0 && isatty(STDERR_FILENO) != 0;
+  const bool asks = !any_answer(request) && (has_terminal || !request.areal);
+  if (asks && !has_terminal)
     throw RequestError(fmt::format(
         "new: there is no terminal to ask on, and no option says what the scene is: give one or "
         "more, for example: {}",
         example_line));
-  const NewScene scene = asks ? ask_all() : take_options(request);
-  const std::string text = new_scene_text(scene, request.output);
+  NewScene scene = asks ? ask_all(request.kind()) : take_options(request);
+  std::string text = new_scene_text(scene, request.output);
   const std::string nothing = "these answers make no scene that runs, nothing was written: ";
   const Model model = [&] {
     try {
@@ -145,6 +148,11 @@ int make_new(const NewRequest& request) {
       throw RequestError(nothing + fault.what());
     }
   }();
+  if (request.areal) {
+    const PointContacts contacts = point_contacts_of(model, make_start(model));
+    if (contacts.radius > 0) scene.point_kappa = contacts.hertz.kappa;
+    text = new_scene_text(scene, request.output);
+  }
   write_new(request, text);
   say_doubts(model.doubts, request.quiet);
   if (request.quiet) return exit_status::done;
@@ -176,6 +184,8 @@ void add_new(CLI::App& app, ChosenCommand& chosen) {
         ->type_name(questions[i].type)
         ->check(understood("an answer",
                            [](const std::string& text) { return !trimmed(text).empty(); }));
+  command->add_flag("--areal", request->areal,
+                    "a plate and a block with height maps, instead of beams with profiles");
   command->add_flag("--materials", request->lists_materials,
                     "lists the materials: Young's modulus, density, Poisson's ratio, loss factor, "
                     "source");

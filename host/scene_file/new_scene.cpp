@@ -7,6 +7,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -15,6 +16,8 @@
 #include "host/base/text.hpp"
 #include "host/base/units.hpp"
 #include "host/body/body.hpp"
+#include "host/surface/map_file.hpp"
+#include "host/surface/map_roughness.hpp"
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 
@@ -27,6 +30,8 @@ constexpr double audible = 20e3;                 // Hz
 constexpr double usual_rate = 100e3;             // Hz
 constexpr double nodes_to_rsm = 150;             // at least
 constexpr double most_nodes_of_new_scene = 2e6;  // on the resonator
+constexpr double map_nodes_to_rsm = 50;          // of areal scenes: contacts are a few nodes wide
+constexpr double most_nodes_of_new_block = 2e6;  // of areal scenes, on the slider
 constexpr int most_resonator_modes = 200, most_slider_modes = 40;
 constexpr int fewest_modes = 3;        // elastic ones of the resonator
 constexpr double longest_new_run = 2;  // s
@@ -125,11 +130,12 @@ NewBody body_of(NewBody body, const std::string& answer) {
   return body;
 }
 
-NewFace random_face(const std::string& answer, const std::vector<std::string>& parts) {
+NewFace random_face(const std::string& answer, const std::vector<std::string>& parts,
+                    SceneKind kind) {
   if (parts.size() != 2)
-    refuse(answer,
-           "is no file here, and no roughness: expected Rq and RSm, such as 8 um, 1.55 mm, "
-           "the file of a measured profile, or flat");
+    refuse(answer, fmt::format("is no file here, and no roughness: expected Rq and RSm, such as 8 "
+                               "um, 1.55 mm, the file of a {}, or flat",
+                               kind == SceneKind::areal ? "height map" : "measured profile"));
   NewFace face;
   face.kind = NewFace::Kind::random;
   face.rq = with_unit(parts[0], "m");
@@ -179,15 +185,56 @@ bool is_file(const std::string& name) {
   return !name.empty() && name.find('\0') == name.npos && fs::is_regular_file(name, none);
 }
 
+/// "map.x3p", "map.npy, 5 um" or "map.txt, 5 um, nm": `parts` behind the file's name.
+NewFace map_face_of(const std::string& answer, const fs::path& file,
+                    const std::vector<std::string>& parts) {
+  NewFace face;
+  face.kind = NewFace::Kind::map;
+  face.file = file;
+  MapQuery query;
+  if (parts.size() > 1) {
+    face.step = with_unit(parts[1], "m");
+    query.spacing = face.step.value;
+  }
+  if (parts.size() > 2) {
+    query.z_unit = to_unit(parts[2]);
+    if (!query.z_unit || parts.size() > 3)
+      refuse(answer,
+             "is not understood: expected FILE, or FILE, SPACING, or FILE, SPACING, Z_UNIT with a "
+             "unit of m, mm, um or nm");
+    face.z_unit = query.z_unit->name;
+  }
+  HeightMap map;
+  try {
+    map = read_height_map(file, query);
+  } catch (const RequestError& fault) {
+    throw RequestError(fmt::format(
+        "{} (spacing, and unit of the heights, of a file that names none: FILE, 5 um, um)",
+        fault.what()));
+  }
+  face.spacing = std::min(map.spacing, map.spacing_y);
+  face.length = (static_cast<double>(map.nx) - 0.5) * map.spacing;
+  face.width = static_cast<double>(map.ny) * map.spacing_y;
+  if (map.missing() > 0) return face;
+  remove_map_form(map, MapForm{1});
+  const MapRoughness roughness = map_roughness(map);
+  face.spacing = std::numeric_limits<double>::infinity();
+  for (const double rsm : {roughness.rsm, roughness.rsm_y})
+    if (rsm > 0) face.spacing = std::min(face.spacing, rsm / map_nodes_to_rsm);
+  return face;
+}
+
 /// "8 um, 1.55 mm", "profile.csv", "profile.csv, mm, um" or "flat".
-NewFace face_of(const std::string& answer) {
+NewFace face_of(const std::string& answer, SceneKind kind) {
   NewFace face;
   if (answer == "flat") return face;
   const std::vector<std::string> parts = split(answer, ',');
   const bool is_whole = is_file(answer);
-  if (!is_whole && !is_file(parts[0])) return random_face(answer, parts);
+  if (!is_whole && !is_file(parts[0])) return random_face(answer, parts, kind);
   face.kind = NewFace::Kind::profile;
   face.file = is_whole ? answer : parts[0];
+  if (kind == SceneKind::areal)
+    return map_face_of(answer, face.file, is_whole ? std::vector<std::string>{answer} : parts);
   ProfileQuery query;
   if (!is_whole && parts.size() > 1) {
     if (parts.size() == 3) {
@@ -206,7 +253,8 @@ NewFace face_of(const std::string& answer) {
       return read_measured_profile(face.file, query);
     } catch (const RequestError& fault) {
       throw RequestError(
-          fmt::format("{} (units of a file that names none: FILE, mm, um)", fault.what()));
+          fmt::format("{} (units of a file that names none: FILE, mm, um; a height map: --areal)",
+                      fault.what()));
     }
   }();
   face.spacing = spacing_for(profile);
@@ -220,7 +268,7 @@ void take_resonator(NewScene& scene, const std::string& answer) {
 constexpr const char* both_flat =
     "both faces are flat, and nothing would sound: expected a rough one, such as 8 um, 1.55 mm";
 void take_resonator_face(NewScene& scene, const std::string& answer) {
-  scene.resonator.face = face_of(answer);
+  scene.resonator.face = face_of(answer, scene.kind);
 }
 void take_slider(NewScene& scene, const std::string& answer) {
   const NewBody body = body_of(scene.slider, answer);
@@ -231,7 +279,7 @@ void take_slider(NewScene& scene, const std::string& answer) {
   scene.slider = body;
 }
 void take_slider_face(NewScene& scene, const std::string& answer) {
-  const NewFace face = face_of(answer);
+  const NewFace face = face_of(answer, scene.kind);
   if (face.kind == NewFace::Kind::flat && scene.resonator.face.kind == NewFace::Kind::flat)
     refuse(answer, std::string("leaves nothing rough: ") + both_flat);
   scene.slider.face = face;
@@ -279,8 +327,8 @@ constexpr NewSceneQuestion all_questions[] = {
      "the resonator, the lower body that stays: material, length x width x thickness",
      "steel, 300 x 200 x 2 mm", take_resonator},
     {"--resonator-face", "FACE",
-     "its face: Rq, RSm of a random one; the file of a measured profile; flat", "8 um, 1.55 mm",
-     take_resonator_face},
+     "its face: Rq, RSm of a random one; the file of a measured profile or map; flat",
+     "8 um, 1.55 mm", take_resonator_face},
     {"--slider", "MATERIAL,SIZE", "the slider, the upper body that moves, also so",
      "steel, 20 x 20 x 20 mm", take_slider},
     {"--slider-face", "FACE", "its face, also so", "8 um, 1.55 mm", take_slider_face},
@@ -293,8 +341,9 @@ constexpr NewSceneQuestion all_questions[] = {
 
 // ---- the text
 
-BodySpec spec_of(const NewBody& body, Support support) {
+BodySpec spec_of(const NewBody& body, Support support, BodyKind kind = BodyKind::beam) {
   BodySpec spec;
+  spec.kind = kind;
   spec.support = support;
   spec.length = body.length.value;
   spec.width = body.width.value;
@@ -324,6 +373,21 @@ std::string frequency_text(double frequency) {
   return fmt::format("\"{:.3g} kHz\"", frequency * 1e-3);
 }
 
+/// Fine enough for the contacts between maps, as far as the nodes do not become too many.
+double spacing_of_new_areal_scene(const NewScene& scene) {
+  constexpr double fewest_nodes_to_rsm = 5;
+  double spacing = std::min(scene.slider.length.value, scene.slider.width.value) / 100,
+         widest = spacing;
+  for (const NewFace* face : {&scene.resonator.face, &scene.slider.face}) {
+    if (face->kind == NewFace::Kind::map) spacing = std::min(spacing, face->spacing);
+    if (face->kind != NewFace::Kind::random) continue;
+    spacing = std::min(spacing, face->rsm.value / map_nodes_to_rsm);
+    widest = std::min(widest, face->rsm.value / fewest_nodes_to_rsm);
+  }
+  const double area = scene.slider.length.value * scene.slider.width.value;
+  return round_down(std::min(std::max(spacing, std::sqrt(area / most_nodes_of_new_block)), widest));
+}
+
 /// Fine enough for the roughness, and for the tone that the nodes make, speed/spacing, to lie above
 /// the highest mode; but for that alone no finer than a few times.
 double spacing_of_new_scene(const NewScene& scene, double highest) {
@@ -339,7 +403,8 @@ double spacing_of_new_scene(const NewScene& scene, double highest) {
   return std::max(spacing, round_down(scene.resonator.length.value / most_nodes_of_new_scene));
 }
 
-std::string face_text(const NewBody& body, const fs::path& file, int seed) {
+/// `touched_width` [m]: of a map, the slider's.
+std::string face_text(const NewBody& body, const fs::path& file, int seed, double touched_width) {
   const NewFace& face = body.face;
   switch (face.kind) {
     case NewFace::Kind::flat:
@@ -348,15 +413,19 @@ std::string face_text(const NewBody& body, const fs::path& file, int seed) {
       return fmt::format("{{ kind = \"gaussian\", rq = {}, rsm = {}, seed = {} }}", face.rq.toml,
                          face.rsm.toml, seed);
     case NewFace::Kind::profile:
+    case NewFace::Kind::map:
       break;
   }
+  const bool is_map = face.kind == NewFace::Kind::map;
   const fs::path from = fs::absolute(file).lexically_normal().parent_path();
   const fs::path path = fs::absolute(face.file).lexically_normal().lexically_proximate(from);
   std::string text = fmt::format("{{ kind = \"file\", path = {}", toml_string(path.string()));
-  if (!face.x_unit.empty())
-    text += fmt::format(", x_unit = \"{}\", z_unit = \"{}\"", face.x_unit, face.z_unit);
-  text += ", form = \"line\"";
-  if (face.length < body.length.value) text += ", short = \"repeat\"";
+  if (!face.step.toml.empty()) text += fmt::format(", spacing = {}", face.step.toml);
+  if (!face.x_unit.empty()) text += fmt::format(", x_unit = \"{}\"", face.x_unit);
+  if (!face.z_unit.empty()) text += fmt::format(", z_unit = \"{}\"", face.z_unit);
+  text += is_map ? ", form = \"plane\"" : ", form = \"line\"";
+  if (face.length < body.length.value || (is_map && face.width < touched_width))
+    text += is_map ? ", short = \"mirror\"" : ", short = \"repeat\"";
   return text + " }";
 }
 
@@ -368,6 +437,8 @@ const char* face_comment(const NewFace& face) {
       return "another seed, another face";
     case NewFace::Kind::profile:
       return "the measured profile";
+    case NewFace::Kind::map:
+      return "the measured map";
   }
   return "";
 }
@@ -423,31 +494,63 @@ class Lines {
 void add_body(Lines& lines, const NewScene& scene, const NewBody& body, const fs::path& file,
               bool is_slider, double frequency) {
   const Material& material = *body.material;
+  const bool is_areal = scene.kind == SceneKind::areal;
   lines.section(is_slider ? "slider" : "resonator",
                 is_slider ? "the upper body, which slides"
                           : "the lower body: the level is that of its vibration");
   lines.key("support", is_slider ? "\"free\"" : "\"pinned\"",
-            is_slider ? "it can rise and tilt; or \"pinned\" at an imposed scene.gap"
-                      : "both ends are held and can turn; or \"free\"");
+            is_slider  ? is_areal ? "it can rise and tilt; or \"rigid\" at an imposed scene.gap"
+                                  : "it can rise and tilt; or \"pinned\" at an imposed scene.gap"
+            : is_areal ? "all edges are held and can turn"
+                       : "both ends are held and can turn; or \"free\"");
   lines.key("length", body.length.toml, "along the sliding direction");
   lines.key("width", body.width.toml, "across");
   lines.key("thickness", body.thickness.toml);
-  lines.key("young", fmt::format("\"{:g} GPa\"", material.young * 1e-9),
-            fmt::format("{}, typical: {}", material.name, material.source));
-  lines.key("density", fmt::format("\"{:g} g/cm^3\"", material.density * 1e-3));
-  lines.key("poisson", fmt::format("{:g}", material.poisson));
-  lines.key("damping", scene.damping.toml, damping_comment(material));
-  lines.key("max_frequency", frequency_text(frequency), "keep the modes up to here");
+  const std::string source = fmt::format("{}, typical: {}", material.name, material.source);
+  const bool bends = !is_areal || !is_slider;  // a block does not
+  if (bends) lines.key("young", fmt::format("\"{:g} GPa\"", material.young * 1e-9), source);
+  lines.key("density", fmt::format("\"{:g} g/cm^3\"", material.density * 1e-3),
+            bends ? std::string() : source);
+  if (bends) {
+    lines.key("poisson", fmt::format("{:g}", material.poisson));
+    lines.key("damping", scene.damping.toml, damping_comment(material));
+    lines.key("max_frequency", frequency_text(frequency), "keep the modes up to here");
+  }
   if (is_slider) lines.key("load", scene.load, "\"weight\": its own; \"2 weight\"; or \"5 N\"");
-  lines.key("surface", face_text(body, file, is_slider ? 1 : 2), face_comment(body.face));
+  lines.key("surface", face_text(body, file, is_slider ? 1 : 2, scene.slider.width.value),
+            face_comment(body.face));
+}
+
+/// Contact, time and output. `highest` [Hz]: of the resonator's modes.
+void add_rest(Lines& lines, const NewScene& scene, double highest) {
+  const bool is_areal = scene.kind == SceneKind::areal;
+  lines.section("contact", "");
+  lines.key("law", "\"penalty\"");
+  if (is_areal)
+    lines.key("stiffness", fmt::format("{:.2g}", scene.point_kappa),
+              "Pa/m: about that of Hertz's point contacts, see 'ra2d plan'");
+  else
+    lines.key("stiffness", "\"hertz\"", "of the materials; or a number, such as \"4 MPa/um\"");
+  lines.section("time", "");
+  lines.key("scheme", "\"adaptive\"", "steps of any length, to the tolerance");
+  lines.key("tolerance", "1e-6", "error of a step; with 1e-7 the level should stay");
+  lines.section("output", "");
+  lines.key("rate", frequency_text(std::max(usual_rate, 4 * highest)), "samples a second");
+  const double probe_x = 0.4e3 * scene.resonator.length.value,
+               probe_y = 0.4e3 * scene.resonator.width.value;  // mm
+  lines.key("probes",
+            is_areal ? fmt::format("[[\"{:.4g} mm\", \"{:.4g} mm\"]]", probe_x, probe_y)
+                     : fmt::format("[\"{:.4g} mm\"]", probe_x),
+            "places on the resonator that are recorded");
 }
 
 }  // namespace
 
 std::span<const NewSceneQuestion> new_scene_questions() { return all_questions; }
 
-NewScene usual_new_scene() {
+NewScene usual_new_scene(SceneKind kind) {
   NewScene scene;
+  scene.kind = kind;
   for (const NewSceneQuestion& question : all_questions) question.take(scene, question.usual);
   return scene;
 }
@@ -469,10 +572,13 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
     duration.toml = duration.value < 1 ? fmt::format("\"{:g} ms\"", duration.value * 1e3)
                                        : fmt::format("\"{:g} s\"", duration.value);
   }
+  const bool is_areal = scene.kind == SceneKind::areal;
   const double start = (path - scene.speed.value * duration.value) / 2;
-  const double highest = highest_frequency(spec_of(scene.resonator, Support::pinned), fewest_modes,
-                                           most_resonator_modes);
-  const double spacing = spacing_of_new_scene(scene, highest);
+  const double highest = highest_frequency(
+      spec_of(scene.resonator, Support::pinned, is_areal ? BodyKind::plate : BodyKind::beam),
+      fewest_modes, most_resonator_modes);
+  const double spacing =
+      is_areal ? spacing_of_new_areal_scene(scene) : spacing_of_new_scene(scene, highest);
   const double highest_of_slider =
       highest_frequency(spec_of(scene.slider, Support::free), 0, most_slider_modes);
   const std::string name = printable(file.filename().string());
@@ -480,6 +586,7 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
   Lines lines;
   lines.section("scene", "");
   lines.key("name", toml_string(printable(file.stem().string())), "title of the report");
+  if (is_areal) lines.key("kind", "\"areal\"", "a plate, a block and height maps");
   lines.key("duration", duration.toml, "simulated time");
   lines.key("speed", scene.speed.toml, "of the slider, constant");
   lines.key("start", fmt::format("\"{:.4g} mm\"", start * 1e3),
@@ -488,16 +595,7 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
             "between two nodes; with half of it the level should stay");
   add_body(lines, scene, scene.resonator, file, false, highest);
   add_body(lines, scene, scene.slider, file, true, highest_of_slider);
-  lines.section("contact", "");
-  lines.key("law", "\"penalty\"");
-  lines.key("stiffness", "\"hertz\"", "of the materials; or a number, such as \"4 MPa/um\"");
-  lines.section("time", "");
-  lines.key("scheme", "\"adaptive\"", "steps of any length, to the tolerance");
-  lines.key("tolerance", "1e-6", "error of a step; with 1e-7 the level should stay");
-  lines.section("output", "");
-  lines.key("rate", frequency_text(std::max(usual_rate, 4 * highest)), "samples a second");
-  lines.key("probes", fmt::format("[\"{:.4g} mm\"]", 0.4 * scene.resonator.length.value * 1e3),
-            "places on the resonator that are recorded");
+  add_rest(lines, scene, highest);
   return fmt::format(
              "# A slider of {0} on a resonator of {1}, made by 'ra2d new'.\n"
              "#   ra2d plan {2}    # what is computed, and its cost\n"

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "host/scene/scene.hpp"
 #include "host/scene_file/materials.hpp"
 
 /// A commented scene of a user's case, from a few answers.
@@ -16,12 +17,13 @@ struct GivenNumber {
 };
 
 struct NewFace {
-  enum class Kind { random, profile, flat };
+  enum class Kind { random, profile, map, flat };
   Kind kind = Kind::flat;
-  GivenNumber rq, rsm;             // random
-  std::filesystem::path file;      // profile
-  std::string x_unit, z_unit;      // of the profile, where the file does not say them
-  double spacing = 0, length = 0;  // m, of the profile: the widest of nodes that show it
+  GivenNumber rq, rsm;                        // random
+  std::filesystem::path file;                 // profile or map
+  std::string x_unit, z_unit;                 // of them, where the file does not say them
+  GivenNumber step;                           // of the map's points, where the file does not say it
+  double spacing = 0, length = 0, width = 0;  // m, of both: the widest of nodes that show it
 };
 
 struct NewBody {
@@ -31,10 +33,12 @@ struct NewBody {
 };
 
 struct NewScene {
+  SceneKind kind = SceneKind::plane;
   NewBody resonator, slider;
   GivenNumber speed, damping,
-      duration;      // duration.value = 0: by the path
-  std::string load;  // as TOML
+      duration;               // duration.value = 0: by the path
+  std::string load;           // as TOML
+  double point_kappa = 1e16;  // Pa/m, of an areal scene: as Hertz's point contacts
 };
 
 /// A question about a new scene. Its option takes the same answers.
@@ -52,7 +56,7 @@ struct NewSceneQuestion {
 std::span<const NewSceneQuestion> new_scene_questions();
 
 /// With the usual answers.
-NewScene usual_new_scene();
+NewScene usual_new_scene(SceneKind kind = SceneKind::plane);
 
 /// The scene as TOML, for a file of this name. Throws RequestError where the answers do not fit
 /// together.

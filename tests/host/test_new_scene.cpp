@@ -247,6 +247,53 @@ TEST(NewScene, TakesAMeasuredProfile) {
               HasSubstr("FILE, mm, um"));
 }
 
+/// A plate and a block: random maps without any answer, measured ones of other spacings.
+TEST(NewScene, OfMapsIsAreal) {
+  const Folder folder;
+  const auto make = [&](Words words) {
+    words.insert(words.begin(), {"new", "case.toml", "--areal", "--force"});
+    return run_ra2d(folder.path(), words);
+  };
+  const Ended usual = make({});
+  ASSERT_EQ(usual.status, 0) << usual.err;
+  EXPECT_EQ(usual.err, "");
+  const Scene scene = read_scene(folder.path() / "case.toml");
+  EXPECT_EQ(scene.kind, SceneKind::areal);
+  EXPECT_EQ(scene.spacing, 2e-5);  // a fiftieth of RSm
+  EXPECT_EQ(scene.slider.density, 7850);
+  EXPECT_EQ(scene.resonator.max_frequency, 20e3);
+  // as stiff as Hertz's point contacts: E*/a with contacts some 20 um wide
+  EXPECT_GT(scene.contact.stiffness, 1e15);
+  EXPECT_LT(scene.contact.stiffness, 1e16);
+
+  const auto generate = [&](const char* name, const char* spacing, const char* side) {
+    return run_ra2d(folder.path(),
+                    {"surface", "generate", "-o", name, "--length", side, "--width", side,
+                     "--spacing", spacing, "--rq", "2e-6", "--rsm", "1e-3", "--seed", "1"})
+        .status;
+  };
+  ASSERT_EQ(generate("block.npy", "3e-5", "0.0061"), 0);
+  ASSERT_EQ(generate("plate.npy", "7e-5", "0.02"), 0);
+  const Words faces{"--slider",         "6 x 6 x 10 mm",       "--slider-face", "block.npy, 30 um",
+                    "--resonator-face", "plate.npy, 70 um, m", "--duration",    "1 ms"};
+  const Ended made = make(faces);
+  ASSERT_EQ(made.status, 0) << made.err;
+  const std::string text = read_file(folder.path() / "case.toml");
+  EXPECT_THAT(text, HasSubstr("path = \"block.npy\", spacing = \"30 um\", form = \"plane\" }"));
+  EXPECT_THAT(text, HasSubstr("spacing = \"70 um\", z_unit = \"m\", form = \"plane\", short = "
+                              "\"mirror\" }"));
+  const Ended ran = run_ra2d(folder.path(), {"run", "case.toml"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("level Lv"));
+
+  EXPECT_THAT(make({"--slider-face", "block.npy"}).err,
+              AllOf(HasSubstr("the file has no spacing"), HasSubstr("FILE, 5 um, um")));
+  EXPECT_THAT(make({"--slider-face", "block.npy, 30 um, km"}).err, HasSubstr("Z_UNIT"));
+  EXPECT_THAT(make({"--slider-face", "nowhere.npy"}).err, HasSubstr("the file of a height map"));
+  EXPECT_THAT(run_ra2d(folder.path(), {"new", "b.toml", "--slider-face", "block.npy"}).err,
+              HasSubstr("a height map: --areal"));
+}
+
 TEST(NewScene, WhatIsWrittenRunsAtOnce) {
   const Folder folder;
   const Ended made = run_ra2d(folder.path(), {"new", "plate.toml", "--resonator",
