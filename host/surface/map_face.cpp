@@ -182,12 +182,13 @@ std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
   };
   map = wide_enough(std::move(map), spec, file, points(x), points(y), doubts);
   const bool on_points = along.is_on_points() && across.is_on_points();
+  if (!on_points)
+    require_map_size(file.string(), static_cast<double>(x.count), rows_on_spline(map, y));
   std::vector<double> heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
+  const FaceExtent extent = extent_of_rows(heights, nodes.nx, nodes.spacing);
   if (!on_points && doubts != nullptr)
-    doubt_between(file, map, along, across, extent_of_rows(heights, nodes.nx, nodes.spacing).slope,
-                  *doubts);
-  check_proportion(file, extent_of_rows(heights, nodes.nx, nodes.spacing),
-                   {"body", nodes.length, nodes.thickness}, doubts);
+    doubt_between(file, map, along, across, extent.slope, *doubts);
+  check_proportion(file, extent, {"body", nodes.length, nodes.thickness}, doubts);
   return heights;
 }
 

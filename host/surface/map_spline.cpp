@@ -80,19 +80,32 @@ HeightMap along_columns(const HeightMap& map, const PlacesOnLine& y) {
   return made;
 }
 
+/// The rows that the splines along y need at some places.
+struct Rows {
+  std::size_t first, end;
+
+  Rows(const HeightMap& map, const PlacesOnLine& y) {
+    const auto row = [&](double place) {
+      return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(map.ny - 1)));
+    };
+    const std::size_t low = row(std::floor(y.first)), high = row(std::ceil(y.last()));
+    first = low > neighbours ? low - neighbours : 0;
+    end = std::min(map.ny, high + neighbours + 1);
+  }
+};
+
 }  // namespace
 
 HeightMap map_on_spline(const HeightMap& map, const PlacesOnLine& x, const PlacesOnLine& y) {
-  const auto rows = static_cast<double>(map.ny - 1);
-  const auto row = [&](double place) {
-    return static_cast<std::size_t>(std::clamp(place, 0.0, rows));
-  };
-  const std::size_t low = row(std::floor(y.first)), high = row(std::ceil(y.last()));
-  const std::size_t first = low > neighbours ? low - neighbours : 0,
-                    end = std::min(map.ny, high + neighbours + 1);
+  const Rows rows(map, y);
   PlacesOnLine in_part = y;
-  in_part.first -= static_cast<double>(first);
-  return along_columns(along_rows(map, first, end - first, x), in_part);
+  in_part.first -= static_cast<double>(rows.first);
+  return along_columns(along_rows(map, rows.first, rows.end - rows.first, x), in_part);
+}
+
+double rows_on_spline(const HeightMap& map, const PlacesOnLine& y) {
+  const Rows rows(map, y);
+  return static_cast<double>(rows.end - rows.first);
 }
 
 double map_spline_miss(const HeightMap& map) {

@@ -23,6 +23,9 @@ struct PlacesOnLine {
 /// a distance, to where the strips around them end, and then level. No point may be missing.
 HeightMap map_on_spline(const HeightMap& map, const PlacesOnLine& x, const PlacesOnLine& y);
 
+/// Rows of the map that this takes: it needs memory for as many of x.count points.
+double rows_on_spline(const HeightMap& map, const PlacesOnLine& y);
+
 /// Root mean square of what splines along rows and columns through every other point miss the
 /// points between by [m]: some sixteen times what the map's own spline is off by, where the map is
 /// smooth from point to point.

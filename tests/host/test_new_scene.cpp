@@ -247,19 +247,20 @@ TEST(NewScene, TakesAMeasuredProfile) {
               HasSubstr("FILE, mm, um"));
 }
 
-/// A plate and a block: random maps without any answer, measured ones of other spacings.
+/// A plate and a block, with random maps and with measured ones of other spacings.
 TEST(NewScene, OfMapsIsAreal) {
   const Folder folder;
   const auto make = [&](Words words) {
     words.insert(words.begin(), {"new", "case.toml", "--areal", "--force"});
     return run_ra2d(folder.path(), words);
   };
-  const Ended usual = make({});
+  const Words small{"--resonator", "120 x 80 x 2 mm", "--slider", "6 x 6 x 10 mm"};
+  const Ended usual = make(small);
   ASSERT_EQ(usual.status, 0) << usual.err;
   EXPECT_EQ(usual.err, "");
   const Scene scene = read_scene(folder.path() / "case.toml");
   EXPECT_EQ(scene.kind, SceneKind::areal);
-  EXPECT_EQ(scene.spacing, 2e-5);  // a fiftieth of RSm
+  EXPECT_EQ(scene.spacing, 2e-5);  // a fiftieth of RSm, rounded down
   EXPECT_EQ(scene.slider.density, 7850);
   EXPECT_EQ(scene.resonator.max_frequency, 20e3);
   // as stiff as Hertz's point contacts: E*/a with contacts some 20 um wide
@@ -274,8 +275,9 @@ TEST(NewScene, OfMapsIsAreal) {
   };
   ASSERT_EQ(generate("block.npy", "3e-5", "0.0061"), 0);
   ASSERT_EQ(generate("plate.npy", "7e-5", "0.02"), 0);
-  const Words faces{"--slider",         "6 x 6 x 10 mm",       "--slider-face", "block.npy, 30 um",
-                    "--resonator-face", "plate.npy, 70 um, m", "--duration",    "1 ms"};
+  Words faces = small;
+  faces.insert(faces.end(), {"--slider-face", "block.npy, 30 um", "--resonator-face",
+                             "plate.npy, 70 um, m", "--duration", "1 ms"});
   const Ended made = make(faces);
   ASSERT_EQ(made.status, 0) << made.err;
   const std::string text = read_file(folder.path() / "case.toml");
