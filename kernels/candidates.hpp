@@ -240,7 +240,7 @@ class Candidates {
   int aimed_steps_ = most_listed_steps;
 
   KOKKOS_FORCEINLINE_FUNCTION void aim_at(int steps) {
-    constexpr int least = 8;
+    constexpr int least = 4;
     aimed_steps_ = steps < least ? least : steps > most_listed_steps ? most_listed_steps : steps;
   }
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
@@ -431,11 +431,10 @@ class Candidates {
   /// Finds the candidate groups. They hold for the travel that can be expected of the modes until a
   /// node passes another.
   RA2D_FUNCTION void find_groups(const Real* u, const Real* v, const Place& place) {
-    // Areal scenes have more modes, of which the bounds are wide, and wider nodes: with a list for
-    // all that time most of the groups would be candidates.
-    constexpr int longest_on_rows = 4 * most_listed_steps;
+    // Areal scenes have more modes, of which the bounds are wide, and wider nodes: over all that
+    // time most of the groups would be candidates. There they serve for two lists of nodes.
     int left = steps_to(1.0, place, bounds_.valid_steps);
-    if (faces_.rows.across != nullptr && left > longest_on_rows) left = longest_on_rows;
+    if (faces_.rows.across != nullptr && left > 2 * aimed_steps_) left = 2 * aimed_steps_;
     const int steps = left < 1 ? 1 : left;
     const double time = steps * motion_.time_step;
     const Bounds b = bounds(u, v, steps);
