@@ -14,8 +14,9 @@
 namespace ra2d::test {
 
 template <int packs>
-NodeContact<HostLanes, packs> node_contact_of(const SceneTables& t, SceneState& s) {
-  return {lanes,     t.motion, t.faces,  t.slider,           t.patches,
+NodeContact<HostLanes, packs> node_contact_of(const SceneTables& t, SceneState& s,
+                                              const HostLanes& on = lanes) {
+  return {on,        t.motion, t.faces,  t.slider,           t.patches,
           t.contact, s.marks,  s.caches, s.work.contact_list};
 }
 
@@ -70,16 +71,18 @@ Flight<HostLanes, packs> flight_of(const SceneTables& t) {
 }
 
 template <int packs>
-ModalSeries<HostLanes, packs> series_of(const SceneTables& t, SceneState& s) {
-  return {lanes,
+ModalSeries<HostLanes, packs> series_of(
+    const SceneTables& t, SceneState& s, const HostLanes& on = lanes,
+    const typename ModalSeries<HostLanes, packs>::Clusters& clusters = {}) {
+  return {on,
           t.modes,
           t.motion,
           t.contact,
           t.bounds,
           t.adaptive,
           t.forces,
-          node_contact_of<packs>(t, s),
-          {},
+          node_contact_of<packs>(t, s, on),
+          clusters,
           s.carried.contacts,
           s.carried.control.shape_terms,
           s.work.series,

@@ -75,6 +75,25 @@ testing::AssertionResult same(const Outcome& a, const Outcome& b) {
   return comparison.result();
 }
 
+testing::AssertionResult goes_on_when_saved(const Started& started, std::int64_t step) {
+  Batch whole({started.model}, {started.start}), first({started.model}, {started.start}),
+      second({started.model}, {started.start});
+  // a launch ends where there is no room for the nodes in contact
+  const auto march_to = [](Batch& batch, std::int64_t target) {
+    while (batch.snapshot(0).status == Status::running && batch.snapshot(0).step < target)
+      batch.march(target);
+  };
+  march_to(whole, started.model.steps);
+  march_to(first, step);
+  if (first.snapshot(0).contact_steps == 0)
+    return testing::AssertionFailure() << "saved before the first contact";
+  second.restore(0, first.save(0));
+  march_to(second, started.model.steps);
+  Outcome a, b;
+  a.end = whole.snapshot(0), b.end = second.snapshot(0);
+  return same(a, b);
+}
+
 Outcome expect_both_same(const Model& model, const ModalStart& start) {
   const Outcome all = march(model, start, Nodes::all);
   const Outcome some = march(model, start, Nodes::candidates);

@@ -43,6 +43,10 @@ struct Started {
   ModalStart start;
 };
 
+/// Whether a march that is saved at a step, in contact, and goes on in another batch comes to the
+/// bits of one that was never saved.
+testing::AssertionResult goes_on_when_saved(const Started& started, std::int64_t step);
+
 struct Variant {
   Scheme scheme{{{SchemeKind::backward_euler}}, "BackwardEuler"};
   double turn = 0;                    // omega tau of the fastest mode; 0: as it comes, well below 1

@@ -143,16 +143,16 @@ int make_new(const NewRequest& request) {
   const std::string nothing = "these answers make no scene that runs, nothing was written: ";
   const Model model = [&] {
     try {
+      Model made = make_model(parse_scene(text, request.output));
+      if (!request.areal) return made;
+      const PointContacts contacts = point_contacts_of(made, make_start(made));
+      if (contacts.radius > 0) scene.point_kappa = contacts.hertz.kappa;
+      text = new_scene_text(scene, request.output);
       return make_model(parse_scene(text, request.output));
     } catch (const RequestError& fault) {
       throw RequestError(nothing + fault.what());
     }
   }();
-  if (request.areal) {
-    const PointContacts contacts = point_contacts_of(model, make_start(model));
-    if (contacts.radius > 0) scene.point_kappa = contacts.hertz.kappa;
-    text = new_scene_text(scene, request.output);
-  }
   write_new(request, text);
   say_doubts(model.doubts, request.quiet);
   if (request.quiet) return exit_status::done;

@@ -19,11 +19,12 @@ struct GivenNumber {
 struct NewFace {
   enum class Kind { random, profile, map, flat };
   Kind kind = Kind::flat;
-  GivenNumber rq, rsm;                        // random
-  std::filesystem::path file;                 // profile or map
-  std::string x_unit, z_unit;                 // of them, where the file does not say them
-  GivenNumber step;                           // of the map's points, where the file does not say it
-  double spacing = 0, length = 0, width = 0;  // m, of both: the widest of nodes that show it
+  GivenNumber rq, rsm;           // random
+  std::filesystem::path file;    // profile or map
+  std::string x_unit, z_unit;    // of them, where the file does not say them
+  GivenNumber step;              // of the map's points, where the file does not say it
+  double length = 0, width = 0;  // m, of the file
+  double spacing = 0;            // m, the widest of nodes that shows it
 };
 
 struct NewBody {

@@ -93,25 +93,7 @@ struct Scene {
     return {lanes,      t.motion,           t.faces, t.slider, t.patches,      t.contact,
             t.clusters, s.carried.contacts, s.marks, s.caches, s.work.clusters};
   }
-  NodeContact<HostLanes, P> node_contact() {
-    return {lanes,     t.motion, t.faces,  t.slider,           t.patches,
-            t.contact, s.marks,  s.caches, s.work.contact_list};
-  }
-  Series modal_series() {
-    return {lanes,
-            t.modes,
-            t.motion,
-            t.contact,
-            t.bounds,
-            t.adaptive,
-            t.forces,
-            node_contact(),
-            clusters(),
-            s.carried.contacts,
-            s.carried.control.shape_terms,
-            s.work.series,
-            s.work.spans.hulls};
-  }
+  Series modal_series() { return test::series_of<P>(t, s, lanes, clusters()); }
   double of_lanes(const double* weights, const Packs& x) const {
     double sum = 0;
     for (int k = 0; k < clustered_modes; ++k)

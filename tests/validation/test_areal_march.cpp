@@ -334,21 +334,7 @@ TEST_P(ArealMarch, CandidatesLaunchesAndPaddingChangeNoBit) {
 TEST_P(ArealMarch, SavedStatesGoOnToTheSameBits) {
   const Started started = areal_march(GetParam().scene(), scheme_of(SchemeKind::midpoint), 1e-8,
                                       3000, 1, Nodes::candidates);
-  Batch whole({started.model}, {started.start}), first({started.model}, {started.start}),
-      second({started.model}, {started.start});
-  // a launch ends where there is no room for the nodes in contact
-  const auto march_to = [](Batch& batch, std::int64_t target) {
-    while (batch.snapshot(0).status == Status::running && batch.snapshot(0).step < target)
-      batch.march(target);
-  };
-  march_to(whole, started.model.steps);
-  march_to(first, 1234);
-  ASSERT_GT(first.snapshot(0).contact_steps, 0);
-  second.restore(0, first.save(0));
-  march_to(second, started.model.steps);
-  Outcome a, b;
-  a.end = whole.snapshot(0), b.end = second.snapshot(0);
-  EXPECT_TRUE(same(a, b));
+  EXPECT_TRUE(goes_on_when_saved(started, 1234));
 }
 
 // ---- exact limits
