@@ -70,10 +70,20 @@ Flight<HostLanes, packs> flight_of(const SceneTables& t) {
   return {lanes, t.modes, t.motion, t.bounds, t.adaptive, t.flight};
 }
 
+/// Few packs, of wide registers, are compiled without clusters.
 template <int packs>
-ModalSeries<HostLanes, packs> series_of(
-    const SceneTables& t, SceneState& s, const HostLanes& on = lanes,
-    const typename ModalSeries<HostLanes, packs>::Clusters& clusters = {}) {
+typename ModalSeries<HostLanes, packs>::Clusters clusters_of(const SceneTables& t, SceneState& s,
+                                                             const HostLanes& on = lanes) {
+  if constexpr (ModalSeries<HostLanes, packs>::has_clusters)
+    return {on,         t.motion,           t.faces, t.slider, t.patches,      t.contact,
+            t.clusters, s.carried.contacts, s.marks, s.caches, s.work.clusters};
+  else
+    return {};
+}
+
+template <int packs>
+ModalSeries<HostLanes, packs> series_of(const SceneTables& t, SceneState& s,
+                                        const HostLanes& on = lanes) {
   return {on,
           t.modes,
           t.motion,
@@ -82,7 +92,7 @@ ModalSeries<HostLanes, packs> series_of(
           t.adaptive,
           t.forces,
           node_contact_of<packs>(t, s, on),
-          clusters,
+          clusters_of<packs>(t, s, on),
           s.carried.contacts,
           s.carried.control.shape_terms,
           s.work.series,

@@ -89,11 +89,8 @@ struct Scene {
       v[p] = lanes.load(rate.data() + p * width);
     }
   }
-  ContactClusters<HostLanes, P> clusters() {
-    return {lanes,      t.motion,           t.faces, t.slider, t.patches,      t.contact,
-            t.clusters, s.carried.contacts, s.marks, s.caches, s.work.clusters};
-  }
-  Series modal_series() { return test::series_of<P>(t, s, lanes, clusters()); }
+  ContactClusters<HostLanes, P> clusters() { return test::clusters_of<P>(t, s, lanes); }
+  Series modal_series() { return test::series_of<P>(t, s, lanes); }
   double of_lanes(const double* weights, const Packs& x) const {
     double sum = 0;
     for (int k = 0; k < clustered_modes; ++k)
