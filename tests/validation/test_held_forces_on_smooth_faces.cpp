@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/surface/spline.hpp"
+#include "tests/compare.hpp"
 #include "tests/effort.hpp"
 #include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
@@ -81,7 +82,9 @@ TEST_P(HeldOnSmoothFaces, LaunchesAndSavedStatesGiveTheSameBits) {
       if (pieces.end.status != Status::running) break;
       saved = batch.save(0);
     }
-    EXPECT_EQ(whole.rows, pieces.rows);
+    Comparison comparison;  // by bits: lanes without modes may hold no numbers
+    comparison.add("samples", whole.rows, pieces.rows);
+    EXPECT_TRUE(comparison.result());
     EXPECT_EQ(whole.shocks.size(), pieces.shocks.size());
     EXPECT_EQ(whole.end.step, pieces.end.step);
   }

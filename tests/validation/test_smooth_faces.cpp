@@ -9,6 +9,7 @@
 #include "host/base/errors.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/surface/spline.hpp"
+#include "tests/compare.hpp"
 #include "tests/effort.hpp"
 #include "tests/filled.hpp"
 #include "tests/numbers.hpp"
@@ -63,7 +64,9 @@ TEST_P(SmoothFaces, LaunchesAndSavedStatesGiveTheSameBits) {
       if (pieces.end.status != Status::running) break;
       saved = batch.save(0);
     }
-    EXPECT_EQ(whole.rows, pieces.rows);
+    Comparison comparison;  // by bits: lanes without modes may hold no numbers
+    comparison.add("samples", whole.rows, pieces.rows);
+    EXPECT_TRUE(comparison.result());
     EXPECT_EQ(whole.shocks.size(), pieces.shocks.size());
     EXPECT_EQ(whole.end.step, pieces.end.step);
   }
