@@ -42,9 +42,9 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real cell_sag(const Lanes& lanes,
                                                           const FaceTables& faces,
                                                           const Place& place, int group) {
   using Real = typename Lanes::Real;
-  return Kokkos::max(lanes.load(faces.sag1 + group * Lanes::width) +
-                         lanes.load(faces.sag2 + place.base + group * Lanes::width),
-                     Real(0.0));
+  const int passed = place.base + nodes_beyond(faces, group) + group * Lanes::width;
+  return Kokkos::max(
+      lanes.load(faces.sag1 + group * Lanes::width) + lanes.load(faces.sag2 + passed), Real(0.0));
 }
 /// Smooth faces: bound on the faces' overlap in the cells that begin at the nodes of a group, but
 /// for the last one's. `ends`: bounds on the overlaps at the nodes, `sag`: cell_sag. On a flank the
@@ -80,7 +80,8 @@ struct PiecePassed {
 
   KOKKOS_FORCEINLINE_FUNCTION PiecePassed(const Lanes& lanes, const FaceTables& faces,
                                           const Place& place, int group) {
-    const double* curvature = faces.curvature2 + place.base + group * Lanes::width;
+    const double* curvature =
+        faces.curvature2 + place.base + nodes_beyond(faces, group) + group * Lanes::width;
     left = lanes.load(curvature);
     right = lanes.load(curvature + 1);
   }
@@ -358,6 +359,18 @@ class CandidateGroups {
     lanes_.sync();
     return found;
   }
+  /// Smooth faces: what the overlaps in the cells beside the nodes of a group exceed those of the
+  /// nodes alone by, on the next `width` spacings of the path: in a piece of the resonator's face a
+  /// node may be higher than at its ends, and in a cell the overlap. `passed`: node of the
+  /// resonator under the group's first.
+  RA2D_FUNCTION Real sag_on_path(int group, int passed) const {
+    const double* const sag2 = faces_.sag2 + passed;
+    Real most = lanes_.load(sag2);
+    for (int ahead = 1; ahead <= width; ++ahead)
+      most = Kokkos::max(most, lanes_.load(sag2 + ahead));
+    return Kokkos::max(most, Real(0.0)) +
+           Kokkos::max(lanes_.load(faces_.sag1 + group * width) + most, Real(0.0));
+  }
   /// Lists the groups of `found` tiles that come near contact, row by row.
   RA2D_FUNCTION void list_groups_of_tiles(int band, int found, const Place& place, int& count) {
     const RowTables& rows = faces_.rows;
@@ -369,8 +382,8 @@ class CandidateGroups {
         const Real displacement(lists_.tile_displacement[tile]);
         for (int g = begin; g < begin + faces_.tiles.groups && g < rows.groups; ++g) {
           const int group = row * rows.groups + g, next = group + rows.groups;
-          const double* const h2 =
-              faces_.height2 + (place.base - rows.behind + row * rows.excess + group * width);
+          const int passed = place.base - rows.behind + row * rows.excess + group * width;
+          const double* const h2 = faces_.height2 + passed;
           if (row + 1 < last) {
             lanes_.prefetch(h2 + rows.excess + rows.groups * width);
             lanes_.prefetch(h2 + rows.excess + rows.groups * width + width);
@@ -379,8 +392,10 @@ class CandidateGroups {
           Real face = lanes_.load(h2);
           for (int ahead = 1; ahead <= width; ++ahead)
             face = Kokkos::max(face, lanes_.load(h2 + ahead));
-          list_coarse(group, lanes_.load(faces_.height1 + group * width) + face + displacement,
-                      count);
+          Real top = lanes_.load(faces_.height1 + group * width) + face + displacement;
+          if (faces_.smooth) [[unlikely]]
+            top = top + sag_on_path(group, passed);
+          list_coarse(group, top, count);
         }
       }
   }

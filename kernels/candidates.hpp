@@ -262,10 +262,11 @@ class Candidates {
     // the nodes at both ends of a cell stand in this group, but for the cells at its borders
     const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
     const std::uint32_t at_either = lanes_.at_least(ends + sag, level);
-    const int first = group * width, left = faces_.nodes - 1 - first;
-    if (group > 0 && (at_either & 1u) != 0 && last_listed_ < first - 1) list(first - 1, count);
+    const int first = group * width, left = nodes_left(faces_, group, width) - 1;
+    if ((at_either & 1u) != 0 && last_listed_ < first - 1 && is_cell(faces_, first - 1))
+      list(first - 1, count);
     std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
-    if (left < width) bits &= (1u << left) - 1u;
+    if (left < width) bits &= left > 0 ? (1u << left) - 1u : 0u;
     for (; bits != 0; bits &= bits - 1) {
       last_listed_ = first + Kokkos::Experimental::countr_zero_builtin(bits);
       list(last_listed_, count);

@@ -49,6 +49,23 @@ KOKKOS_INLINE_FUNCTION int nodes_left(const FaceTables& faces, int group, int wi
   return faces.rows.nodes - group % faces.rows.groups * width;
 }
 
+/// Whether there is a cell between slider node `left` and the next one in its row.
+KOKKOS_FORCEINLINE_FUNCTION bool is_cell(const FaceTables& faces, int left) {
+  if (left < 0 || left > faces.nodes - 2) return false;
+  return faces.rows.across == nullptr || left % faces.rows.length < faces.rows.nodes - 1;
+}
+/// A node's number along its row.
+KOKKOS_FORCEINLINE_FUNCTION int along_row(const FaceTables& faces, int node) {
+  return faces.rows.across == nullptr ? node : node % faces.rows.length;
+}
+
+/// By how many nodes the row of height2 that a group meets begins later than that of height1.
+KOKKOS_FORCEINLINE_FUNCTION int nodes_beyond(const FaceTables& faces, int group) {
+  if (faces.rows.across == nullptr) [[likely]]
+    return 0;
+  return group / faces.rows.groups * faces.rows.excess - faces.rows.behind;
+}
+
 /// The patch on which a group of slider nodes is evaluated, and eta of the group's first node.
 /// `group`: counted from the beginning of its row.
 template <class Lanes>
@@ -72,7 +89,7 @@ struct StaticOverlap {
   using Real = typename Lanes::Real;
   Real height, rise;
 
-  /// `beyond`: by how many nodes the row of height2 begins later than that of height1.
+  /// `beyond`: nodes_beyond.
   KOKKOS_FORCEINLINE_FUNCTION StaticOverlap(const Lanes& lanes, const FaceTables& faces,
                                             const Place& place, int group, int beyond = 0) {
     const double* h2 = faces.height2 + place.base + beyond + group * Lanes::width;
@@ -83,7 +100,7 @@ struct StaticOverlap {
       height = own + multiply_add(place.theta, rise, left);
       return;
     }
-    const double* curvature = faces.curvature2 + place.base + group * Lanes::width;
+    const double* curvature = faces.curvature2 + place.base + beyond + group * Lanes::width;
     const Real b0 = lanes.load(curvature), b1 = lanes.load(curvature + 1), theta(place.theta);
     // of the cubic between two nodes: slope at the left one, half its curvature there, a sixth of
     // the curvature's change

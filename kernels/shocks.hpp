@@ -71,9 +71,10 @@ KOKKOS_INLINE_FUNCTION int merge_shocks(ShockTracking& shocks, RunBuffer& runs, 
   return keep == moved ? drop : keep;
 }
 
-/// Where a force acts on the slider, along x [chi]; of a plane scene.
-KOKKOS_FORCEINLINE_FUNCTION double centre(const ContactList& list, int e) {
-  return list.centres == nullptr ? list.nodes[e] : list.centres[e];
+/// Where a force acts on the slider, along x [chi].
+KOKKOS_FORCEINLINE_FUNCTION double centre(const ContactList& list, const RunBuffer& runs, int e) {
+  if (list.centres != nullptr) return list.centres[e];
+  return runs.row == 0 ? list.nodes[e] : list.nodes[e] % runs.row;
 }
 
 /// Merges `shock` (none: negative) with those of the runs of a list, `count` in ascending order,
@@ -156,9 +157,8 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
 KOKKOS_INLINE_FUNCTION void track_shocks(ShockTracking& shocks, RunBuffer& runs, ShockBuffer& ended,
                                          const ContactList& list, int count, std::int64_t step,
                                          double position) {
-  join_shocks(shocks, runs, ended, list, count, step, step, position, [&](int e) {
-    return list.forces[e] * (runs.row == 0 ? centre(list, e) : list.nodes[e] % runs.row);
-  });
+  join_shocks(shocks, runs, ended, list, count, step, step, position,
+              [&](int e) { return list.forces[e] * centre(list, runs, e); });
   for (int i = 0; i < shocks.open_count; ++i)
     if (shocks.open[i].force > shocks.open[i].peak) shocks.open[i].peak = shocks.open[i].force;
 }
@@ -175,11 +175,11 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
   for (; e < count && run < shocks.run_count; ++run) {
     const int first = list.nodes[e];
     int last = first;
-    double force = list.forces[e], moment = force * centre(list, e);
+    double force = list.forces[e], moment = force * centre(list, runs, e);
     while (++e < count && list.nodes[e] == last + 1) {
       ++last;
       force += list.forces[e];
-      moment += list.forces[e] * centre(list, e);
+      moment += list.forces[e] * centre(list, runs, e);
     }
     const ContactRun& before = shocks.runs[run];
     if (first > before.last + 1 || last < before.first - 1) return false;
@@ -282,7 +282,7 @@ class SteadyShocks {
   int count_ = 0;
   Steady steady_[most]{};
 
-  /// centre(list, e), without reading the node.
+  /// As centre(), without reading the node.
   KOKKOS_FORCEINLINE_FUNCTION static double place(const ContactList& list, int e, int node) {
     return list.centres == nullptr ? node : list.centres[e];
   }

@@ -452,7 +452,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
 template <class Visit>
 void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
-  const std::size_t nodes = n.padded_nodes(), groups = n.groups;
+  const std::size_t groups = n.groups;
   visit("candidate_groups", s.candidates.groups, groups);
   visit("candidate_reference_u", s.candidates.reference_u, lanes);
   visit("coarse_groups", s.candidates.coarse_groups, groups);
@@ -469,7 +469,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("contact_nodes", s.contact_list.nodes, listed);
   visit("contact_forces", s.contact_list.forces, listed);
   if (n.smooth) {
-    visit("contact_centres", s.contact_list.centres, nodes);
+    visit("contact_centres", s.contact_list.centres, listed);
     visit("cell_parts", s.contact_list.cell_parts,
           static_cast<std::size_t>(cell_part_rows) * (n.width < 2 ? 2 : n.width));
   }

@@ -33,9 +33,10 @@
 /// beta^4 psi, so four derivatives are stored and the others follow with (beta radius)^4.
 ///
 /// Smooth faces. A face is a straight line between its nodes, or (FaceTables::curvature2) a cubic
-/// spline through them. Between smooth faces contact is integrated over the cells of the slider, a
-/// cell from a node to the next (kernels/contact/cell_contact.hpp); lists of nodes to evaluate are
-/// then lists of cells, each called by its left node.
+/// spline through them; in an areal scene along each row. Between smooth faces contact is
+/// integrated over the cells of the slider, a cell from a node to the next
+/// (kernels/contact/cell_contact.hpp); lists of nodes to evaluate are then lists of cells, each
+/// called by its left node.
 ///
 /// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
 /// offset, again to below the roundings. A node that is or could soon be in contact is expanded
@@ -212,6 +213,7 @@ struct SliderMotion {
 /// The rows of an areal scene. Those of a plane scene are as they stand here: one without an end.
 struct RowTables {
   int nodes = 0;                   // of a row, without what pads it
+  int length = 0;                  // of a row with it
   int groups = 0x7fffffff;         // of a row
   int excess = 0;                  // nodes that a row of height2 has more than one of height1
   int behind = 0;                  // the resonator's nodes in a row before the first of height2
@@ -251,11 +253,13 @@ struct FaceTables {
   const double* curvature1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
   const double* curvature2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
   double largest_face_curvature = 0;   // max |curvature2|
+  double largest_cell_sag = 0;         // of cell_sag anywhere
   // Each face's share of cell_sag (kernels/candidate_groups.hpp), of either sign.
-  const double* sag1 = nullptr;          // (group, lane)
-  const double* sag2 = nullptr;          // resonator node, padded as height2
-  const double* highest_sag2 = nullptr;  // max of sag2 over a node and the `width` after it
-  double sag_per_travel = 0;             // of the modes, over their travel
+  const double* sag1 = nullptr;  // (group, lane)
+  const double* sag2 = nullptr;  // resonator node, padded as height2
+  // plane scenes: max of sag2 over a node and the `width` after it
+  const double* highest_sag2 = nullptr;
+  double sag_per_travel = 0;  // of the modes, over their travel
 };
 
 /// The slider's modes at its nodes.
@@ -265,7 +269,8 @@ struct SliderShapes {
   int row = 0;                    // length of a row of `shape`: nodes, padded to whole groups
   const double* shape = nullptr;  // (slider mode, group, lane): psi at the nodes; of one row
   const double* unit = nullptr;   // (slider mode, lane): 1 at that mode's own lane
-  // smooth faces: (slider mode, 4, group, lane), chi^j psi^(j)/j! in the middle of the cells
+  // smooth faces: (slider mode, 4, group, lane), chi^j psi^(j)/j! in the middle of the cells; of
+  // one row
   const double* cell = nullptr;
 };
 
@@ -432,7 +437,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("slider_shape", t.slider.shape, n.slider_modes * n.padded_row());
   visit("unit", t.slider.unit, n.slider_modes * lanes);
   if (n.smooth) {
-    visit("slider_cell", t.slider.cell, 4 * n.slider_modes * n.padded_nodes());
+    visit("slider_cell", t.slider.cell, 4 * n.slider_modes * n.padded_row());
     visit("cell_sag", t.bounds.cell_sag, lanes);
   }
   if (!n.adaptive()) return;
@@ -475,7 +480,7 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
     visit("curvature2", t.faces.curvature2, heights);
     visit("sag1", t.faces.sag1, n.padded_nodes());
     visit("sag2", t.faces.sag2, heights);
-    visit("highest_sag2", t.faces.highest_sag2, heights);
+    if (n.rows == 0) visit("highest_sag2", t.faces.highest_sag2, heights);
   }
   const auto moving = static_cast<std::size_t>(n.moving_forces);
   visit("moving_force", t.forces.list, moving);

@@ -35,6 +35,7 @@ struct ArealScene {
   double stiffness = 0;               // Pa/m, kappa
   HeightMap plate_heights;            // under the block's rows, at x = 0, spacing, ...
   HeightMap block_heights;
+  Faces faces = Faces::linear;  // of the march; the reference's are linear
   std::vector<ArealForce> forces;
   /// The bodies are beams, and every shape is constant in y: the equations of a plane scene.
   bool is_plane = false;

@@ -132,6 +132,7 @@ Scene scene_of(const ArealScene& of) {
   s.resonator = of.plate;
   s.slider = of.block;
   s.spacing = of.spacing;
+  s.faces = of.faces;
   s.start = of.start;
   s.speed = of.speed;
   s.gap = of.gap;

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "host/body/plate.hpp"
+
 namespace ra2d::test {
 namespace {
 
@@ -113,9 +115,14 @@ std::vector<Cubic> pieces_of(const std::vector<double>& heights) {
   return out;
 }
 
-/// psi = sine sin bx + cosine cos bx + left exp(-bx) + right exp(-b (L - x)) + constant + slope x.
+/// psi = sine sin bx + cosine cos bx + left exp(-bx) + right exp(-b (L - x)) + constant + slope x;
+/// of plates and blocks times sin(wave_y y), or 1 + slope_y y.
 struct Shape {
   Real beta = 0, sine = 0, cosine = 0, left = 0, right = 0, constant = 0, slope = 0, length = 0;
+  Real wave_y = 0, slope_y = 0;
+
+  Real across(Real y) const { return wave_y > 0 ? std::sin(wave_y * y) : 1 + slope_y * y; }
+  Real most_across() const { return slope_y == 0 ? 1 : std::sqrt(3.0L); }
 };
 
 Shape shape_of(Support support, Real length, int k) {
@@ -155,6 +162,33 @@ Shape shape_of(Support support, Real length, int k) {
   return s;
 }
 
+/// The shapes of a pinned plate, and of a block that heaves, pitches and rolls.
+std::vector<Shape> plate_shapes(const BodySpec& plate, int count) {
+  constexpr Real pi = std::numbers::pi_v<Real>;
+  const Real a = plate.length, b = plate.width;
+  std::vector<Shape> shapes;
+  for (const PinnedPlateMode& mode : plate_modes(plate, count)) {
+    Shape s;
+    s.length = a;
+    s.beta = mode.m * pi / a;
+    s.sine = 2 / std::sqrt(a * b);
+    s.wave_y = mode.n * pi / b;
+    shapes.push_back(s);
+  }
+  return shapes;
+}
+std::vector<Shape> block_shapes(const BodySpec& block) {
+  const Real l1 = block.length, l2 = block.width, unit = 1 / std::sqrt(l1 * l2);
+  Shape heave, pitch, roll;
+  heave.length = pitch.length = roll.length = l1;
+  heave.constant = unit;
+  pitch.slope = unit * std::sqrt(12.0L) / l1;
+  pitch.constant = -pitch.slope * l1 / 2;
+  roll.constant = -std::sqrt(3.0L) * unit;
+  roll.slope_y = -2 / l2;
+  return {heave, pitch, roll};
+}
+
 /// One end of a piece of contact: a root of the overlap on the piece of cell `own` of the slider
 /// and cell `other` of the resonator, or an end of the slider.
 struct End {
@@ -168,35 +202,53 @@ struct Interval {
 };
 
 /// Faces and modes; lengths along the slider in chi.
+///
+/// The rows of an areal scene stand one after the other on one long line: what is at x in row r has
+/// the place r stride + x there, cells and places of the resonator alike.
 class Scenery {
  public:
-  int cells, modes2, modes1, modes;
-  int terms = 5;                   // of polynomials along a cell
-  int base_node;                   // of the resonator: its nodes are counted from here
-  Real chi, start, speed, spring;  // m; chi, from that node; chi per s; N/m, of a cell
-  std::vector<Cubic> own, other;   // the slider's less delta
+  int cells, modes2, modes1, modes;  // cells: of a row
+  int rows = 1, stride = 0, pieces;  // pieces: of the resonator, in a row
+  int terms = 5;                     // of polynomials along a cell
+  int base_node;                     // of the resonator: its nodes are counted from here
+  Real chi, start, speed, spring;    // m; chi, from that node; chi per s; N/m, of a cell
+  std::vector<Cubic> own, other;     // the slider's less delta
   Numbers omega, zeta, mass, load;
   std::vector<Shape> shapes;
   Numbers factor;             // (mode, term): (beta chi)^(4 [p/4]) / p!
   Numbers slider;             // (mode, cell, 4): psi and three derivatives at a cell's middle
-  Numbers wave;               // (mode, cell, 4): cos, sin, exp(-), exp(+) of beta i chi
+  Numbers share;              // (mode, row): psi(x, y)/psi(x)
+  Numbers wave;               // (mode, cell of a row, 4): cos, sin, exp(-), exp(+) of beta i chi
   Numbers largest, steepest;  // of psi; of psi' [per chi]
   Real steepest_face = 0;
   std::vector<MovingForce> forces;
   Real length2;
 
   explicit Scenery(const Model& m) {
-    cells = m.nodes() - 1;
+    rows = m.rows;
+    cells = m.row_nodes() - 1;
     chi = m.scene.spacing;
     base_node = static_cast<int>(m.position);
     start = static_cast<Real>(m.position) - base_node;
     speed = static_cast<Real>(m.scene.speed) / chi;
     spring = static_cast<Real>(m.scene.contact.stiffness) * chi *
-             std::min(m.scene.resonator.width, m.scene.slider.width);
-    own = pieces_of(m.slider_height);
-    for (Cubic& c : own) c.c[0] -= m.delta;
-    other = pieces_of(m.resonator_height);
-    other.erase(other.begin(), other.begin() + base_node);
+             (m.is_areal ? m.spacing_y : std::min(m.scene.resonator.width, m.scene.slider.width));
+    pieces = m.row_heights() - 1 - base_node;
+    stride = rows == 1 ? 0 : pieces + 2;
+    for (int r = 0; r < rows; ++r) {
+      const auto row = [&](const std::vector<double>& heights, int length) {
+        const auto first = heights.begin() + std::ptrdiff_t{r} * length;
+        return pieces_of({first, first + length});
+      };
+      own.resize(static_cast<std::size_t>(r) * stride);
+      for (Cubic& c : row(m.slider_height, m.row_nodes())) {
+        c.c[0] -= m.delta;
+        own.push_back(c);
+      }
+      const std::vector<Cubic> passed = row(m.resonator_height, m.row_heights());
+      other.resize(static_cast<std::size_t>(r) * stride);
+      other.insert(other.end(), passed.begin() + base_node, passed.end());
+    }
     for (const Cubic& c : other)
       steepest_face =
           std::max(steepest_face, std::abs(c.c[1]) + 2 * std::abs(c.c[2]) + 3 * std::abs(c.c[3]));
@@ -213,11 +265,21 @@ class Scenery {
         zeta.push_back(mode.zeta);
         mass.push_back(mode.mass);
         load.push_back(k < body->load.size() ? body->load[k] : 0.0);
-        shapes.push_back(shape_of(spec.support, spec.length, static_cast<int>(k)));
+        if (!m.is_areal)
+          shapes.push_back(shape_of(spec.support, spec.length, static_cast<int>(k)));
+        else if (body == &m.slider)
+          shapes.push_back(block_shapes(spec).at(k));
+        else
+          shapes.push_back(plate_shapes(spec, static_cast<int>(body->modes.size())).at(k));
         const Shape& s = shapes.back();
+        const Real edge = body == &m.slider ? 0 : static_cast<Real>(m.side);
+        for (int r = 0; r < rows; ++r)
+          share.push_back(m.is_areal ? s.across(edge + (r + 0.5L) * static_cast<Real>(m.spacing_y))
+                                     : 1);
         largest.push_back(
-            std::hypot(s.sine, s.cosine) + std::abs(s.left) + std::abs(s.right) +
-            std::max(std::abs(s.constant), std::abs(s.constant + s.slope * s.length)));
+            s.most_across() *
+            (std::hypot(s.sine, s.cosine) + std::abs(s.left) + std::abs(s.right) +
+             std::max(std::abs(s.constant), std::abs(s.constant + s.slope * s.length))));
         steepest.push_back((s.beta * largest.back() + std::abs(s.slope)) * chi);
       }
     }
@@ -228,7 +290,7 @@ class Scenery {
         throw std::invalid_argument("reference: modes too fine for the cells");
     factor.resize(modes * terms);
     wave.resize(static_cast<std::size_t>(modes) * cells * 4);
-    slider = wave;
+    slider.resize(static_cast<std::size_t>(modes) * length() * 4);
     for (int k = 0; k < modes; ++k) {
       const Shape& s = shapes[k];
       const Real b = s.beta * chi;
@@ -239,22 +301,37 @@ class Scenery {
         if (s.beta == 0) factor[k * terms + p] = p < 2 ? 1 : 0;
       }
       for (int i = 0; i < cells; ++i) {
-        Real* w = &wave[(static_cast<std::size_t>(k) * cells + i) * 4];
+        Real* w = waves(k, i);
         w[0] = std::cos(b * i), w[1] = std::sin(b * i);
         w[2] = std::exp(-b * i), w[3] = std::exp(b * i);
         if (k >= modes2) {
           const Real middle = (i + 0.5L) * b;
-          base(s, std::sin(middle), std::cos(middle), std::exp(-middle),
-               std::exp(middle - s.beta * s.length), (i + 0.5L) * chi, row(slider, k, i));
+          for (int r = 0; r < rows; ++r) {
+            Real* const own =
+                &slider[(static_cast<std::size_t>(k) * length() + r * stride + i) * 4];
+            base(s, std::sin(middle), std::cos(middle), std::exp(-middle),
+                 std::exp(middle - s.beta * s.length), (i + 0.5L) * chi, own);
+            for (int d = 0; d < 4; ++d) own[d] *= share_on(k, r);
+          }
         }
       }
     }
   }
-  Real* row(Numbers& table, int k, int i) const {
-    return &table[(static_cast<std::size_t>(k) * cells + i) * 4];
+  /// Of the line, from its first cell to its last.
+  int length() const { return (rows - 1) * stride + cells; }
+  int row_of(int cell) const { return rows == 1 ? 0 : cell / stride; }
+  int along(int cell) const { return cell - row_of(cell) * stride; }
+  int row_at(Real at) const { return rows == 1 ? 0 : static_cast<int>(std::floor(at / stride)); }
+  /// Where the row of a place begins and ends.
+  Real row_start(Real at) const { return Real(row_at(at)) * stride; }
+  Real row_end(Real at) const { return row_start(at) + cells; }
+  Real share_on(int k, int row) const { return share[static_cast<std::size_t>(k) * rows + row]; }
+  Real* waves(int k, int i) { return &wave[(static_cast<std::size_t>(k) * cells + i) * 4]; }
+  const Real* waves(int k, int i) const {
+    return &wave[(static_cast<std::size_t>(k) * cells + i) * 4];
   }
-  const Real* row(const Numbers& table, int k, int i) const {
-    return &table[(static_cast<std::size_t>(k) * cells + i) * 4];
+  const Real* of_slider(int k, int cell) const {
+    return &slider[(static_cast<std::size_t>(k) * length() + cell) * 4];
   }
   /// psi and three derivatives, lengths in chi, from the four functions at x.
   void base(const Shape& s, Real sin, Real cos, Real falling, Real rising, Real x,
@@ -283,10 +360,10 @@ class Field {
         cos_(s.modes2),
         falling_(s.modes2),
         rising_(s.modes2),
-        stamps_(s.cells, 0),
-        u_(s.cells),
-        u2_(s.cells),
-        shape_(static_cast<std::size_t>(s.modes) * s.cells * 4) {}
+        stamps_(s.length(), 0),
+        u_(s.length()),
+        u2_(s.length()),
+        shape_(static_cast<std::size_t>(s.modes) * s.length() * 4) {}
 
   void set(Real time, const Real* u) {
     amplitude_ = u;
@@ -302,15 +379,18 @@ class Field {
   }
   Real x() const { return x_; }
   /// Of the piece on which a place of the slider stands.
-  int own_at(Real at) const { return std::clamp(static_cast<int>(std::floor(at)), 0, s.cells - 1); }
+  int own_at(Real at) const {
+    const int first = s.row_at(at) * s.stride;
+    return std::clamp(static_cast<int>(std::floor(at)), first, first + s.cells - 1);
+  }
   int other_at(Real at) const {
-    return std::clamp(static_cast<int>(std::floor(x_ + at)), 0,
-                      static_cast<int>(s.other.size()) - 1);
+    const int first = s.row_at(at) * s.stride;
+    return std::clamp(static_cast<int>(std::floor(x_ + at)), first, first + s.pieces - 1);
   }
 
   /// Psi and three derivatives of a mode at the middle of a cell.
   const Real* shape(int k, int cell) {
-    if (k >= s.modes2) return s.row(s.slider, k, cell);
+    if (k >= s.modes2) return s.of_slider(k, cell);
     know(cell);
     return &shape_[(static_cast<std::size_t>(cell) * s.modes + k) * 4];
   }
@@ -351,14 +431,17 @@ class Field {
     u = u2 = Polynomial{};
     u.terms = u2.terms = s.terms;
     for (int k = 0; k < s.modes2; ++k) {
-      const Real* w = s.row(s.wave, k, cell);
+      const int along = s.along(cell);
+      const Real* w = s.waves(k, along);
       Real* base = &shape_[(static_cast<std::size_t>(cell) * s.modes + k) * 4];
       s.base(s.shapes[k], sin_[k] * w[0] + cos_[k] * w[1], cos_[k] * w[0] - sin_[k] * w[1],
-             falling_[k] * w[2], rising_[k] * w[3], (s.base_node + x_ + cell + 0.5L) * s.chi, base);
+             falling_[k] * w[2], rising_[k] * w[3], (s.base_node + x_ + along + 0.5L) * s.chi,
+             base);
+      for (int d = 0; d < 4; ++d) base[d] *= s.share_on(k, s.row_of(cell));
       add(u2, k, base);
     }
     u = u2;
-    for (int k = s.modes2; k < s.modes; ++k) add(u, k, s.row(s.slider, k, cell));
+    for (int k = s.modes2; k < s.modes; ++k) add(u, k, s.of_slider(k, cell));
   }
   void add(Polynomial& sum, int k, const Real* base) const {
     const Real* f = &s.factor[k * s.terms];
@@ -438,36 +521,37 @@ Contact contact_of(const Scenery& s, Field& f, const std::vector<int>& cells) {
     if (i != before + 1 && inside) throw std::logic_error("contact leaves the list of cells");
     before = i;
     const int j0 = f.other_at(i);
+    const bool is_first = s.along(i) == 0, is_last = s.along(i) == s.cells - 1;
     const Real knot = j0 + 1 - f.x() - i;  // from the cell's left node
     for (int side = 0; side < 2; ++side) {
       const Real a = side == 0 ? -0.5L : std::clamp<Real>(knot, 0, 1) - 0.5L;
       const Real b = side == 0 ? std::clamp<Real>(knot, 0, 1) - 0.5L : 0.5L;
       if (!(b > a)) continue;
-      const int j = std::min(j0 + side, static_cast<int>(s.other.size()) - 1);
+      const int j = std::min(j0 + side, s.row_of(i) * s.stride + s.pieces - 1);
       const Polynomial o = f.overlap(i, j);
-      if (i == 0 && side == 0 && value(o, a) > 0) begin({0, i, j, true});
+      if (is_first && side == 0 && value(o, a) > 0) begin({Real(i), i, j, true});
       roots_of(derivative(o), a, b, summits);
       summits.insert(summits.begin(), a);
       summits.push_back(b);
       for (std::size_t m = 0; m + 1 < summits.size(); ++m) {
         const Real from = summits[m], to = summits[m + 1], at_to = value(o, to);
-        const bool last_of_slider = i == s.cells - 1 && to == 0.5L;
+        const bool last_of_slider = is_last && to == 0.5L;
         if (at_to <= 0 && at_to > out.highest_open &&
             (m + 2 < summits.size() ? curvature(o, to) < 0 : last_of_slider && slope(o, to) > 0)) {
           out.highest_open = at_to;
           out.highest_at = i + 0.5L + to;
         }
-        if (i == 0 && side == 0 && m == 0 && value(o, from) <= 0 && slope(o, from) < 0 &&
+        if (is_first && side == 0 && m == 0 && value(o, from) <= 0 && slope(o, from) < 0 &&
             value(o, from) > out.highest_open) {
           out.highest_open = value(o, from);
-          out.highest_at = 0;
+          out.highest_at = i;
         }
         if ((at_to > 0) == inside) continue;
         const Real x = root_between(o, from, to, at_to > 0);
         const End e{i + 0.5L + x, i, j, false};
         inside ? finish(e) : begin(e);
       }
-      if (i == s.cells - 1 && b == 0.5L && inside) finish({Real(s.cells), i, j, true});
+      if (is_last && b == 0.5L && inside) finish({Real(i + 1), i, j, true});
     }
   }
   if (inside) throw std::logic_error("contact leaves the list of cells");
@@ -523,7 +607,8 @@ class Solver {
     contact_omega_ = std::sqrt(contact);
     fastest = std::max(fastest, 0.005L * contact_omega_);
     longest_ = fastest > 0 ? options.longest / fastest : model.scene.duration;
-    for (int i = 0; i < scenery_.cells; ++i) all_.push_back(i);
+    for (int r = 0; r < scenery_.rows; ++r)
+      for (int i = 0; i < scenery_.cells; ++i) all_.push_back(r * scenery_.stride + i);
     if (scenery_.cells > 0) {
       end_field_.set(0, y_.data());
       intervals_ = contact_of(scenery_, end_field_, all_).intervals;
@@ -644,7 +729,7 @@ class Solver {
     }
     if (intervals.empty()) return;
     field_.set(t, y.data());
-    moments_.assign(static_cast<std::size_t>(scenery_.cells), Polynomial{});
+    moments_.assign(static_cast<std::size_t>(scenery_.length()), Polynomial{});
     touched_.clear();
     integrate(field_, intervals,
               [&](const Interval& c, int cell, Real x, Real o, Real slope2, Real weight) {
@@ -656,7 +741,8 @@ class Solver {
                 if (c.shock >= 0) {
                   const int slot = shocks_[c.shock].slot;
                   out[slot] += part;
-                  out[slot + 1] += part * (scenery_.base_node + field_.x() + cell + 0.5L + x);
+                  out[slot + 1] +=
+                      part * (scenery_.base_node + field_.x() + scenery_.along(cell) + 0.5L + x);
                 }
                 Polynomial& moment = moments_[cell];
                 for (int p = 0; p < scenery_.terms; ++p, part *= x) moment[p] += part;
@@ -834,13 +920,11 @@ class Solver {
     const Real range = 1.5L * h * speed + 1e-16L;
     near_.clear();
     end_field_.set(time_, y_.data());
-    std::vector<char> is_near(scenery_.cells, 0);
-    for (int i = 0; i < scenery_.cells; ++i) is_near[i] = bound_of(end_field_, i) + range > 0;
+    std::vector<char> is_near(scenery_.length() + 1, 0);
+    for (const int i : all_) is_near[i] = bound_of(end_field_, i) + range > 0;
     for (const Interval& c : intervals_)
-      for (int i = std::max(0, c.left.own - 1); i <= std::min(scenery_.cells - 1, c.right.own + 1);
-           ++i)
-        is_near[i] = 1;
-    for (int i = 0; i < scenery_.cells; ++i)
+      for (int i = std::max(0, c.left.own - 1); i <= c.right.own + 1; ++i) is_near[i] = 1;
+    for (const int i : all_)
       if (is_near[i]) near_.push_back(i);
   }
 
@@ -864,13 +948,14 @@ class Solver {
   }
   /// The extremum of the overlap next to a place.
   Real extremum(Field& f, Real at) {
-    if (at <= 0 || at >= scenery_.cells) return at;
+    const Real first = scenery_.row_start(at), end = scenery_.row_end(at);
+    if (at <= first || at >= end) return at;
     for (int round = 0; round < 60; ++round) {
       const int i = f.own_at(at);
       const Polynomial o = f.overlap(i, f.other_at(at));
       const Real x = at - (i + 0.5L);
       const Real step = std::clamp<Real>(-slope(o, x) / curvature(o, x), -0.1L, 0.1L);
-      at = std::clamp<Real>(at + step, 0, scenery_.cells);
+      at = std::clamp<Real>(at + step, first, end);
       if (std::abs(step) < 1e-17L) break;
     }
     return at;
@@ -887,7 +972,9 @@ class Solver {
         for (int side = 0; side < 2; ++side) {
           const Real node = e->own + side, knot = e->other + side - f.x();
           for (const Real at : {node, knot}) {
-            if (at < 0 || at > scenery_.cells || std::abs(at - e->at) < 1e-9L) continue;
+            if (at < scenery_.row_start(e->own) || at > scenery_.row_end(e->own) ||
+                std::abs(at - e->at) < 1e-9L)
+              continue;
             const Real o = overlap_at(f, at);
             Real speed = rate_at(f, y_, at);
             if (at == knot) {
@@ -1084,8 +1171,8 @@ class Solver {
       } else {
         kind = begins;
         const Interval& c = after[which];
-        at = c.left.of_slider    ? 0
-             : c.right.of_slider ? Real(scenery_.cells)
+        at = c.left.of_slider    ? c.left.at
+             : c.right.of_slider ? c.right.at
                                  : 0.5L * (c.left.at + c.right.at);
       }
     } else if (after.size() + 1 == before.size()) {
@@ -1099,8 +1186,8 @@ class Solver {
       } else {
         kind = ends;
         const Interval& c = before[which];
-        at = c.left.of_slider    ? 0
-             : c.right.of_slider ? Real(scenery_.cells)
+        at = c.left.of_slider    ? c.left.at
+             : c.right.of_slider ? c.right.at
                                  : 0.5L * (c.left.at + c.right.at);
       }
     } else if (after.size() == before.size()) {
@@ -1141,9 +1228,8 @@ class Solver {
     switch (kind) {
       case begins: {
         Interval fresh{here, here, -1};
-        if (at <= 0) fresh.left = {0, 0, other, true};
-        if (at >= scenery_.cells)
-          fresh.right = {Real(scenery_.cells), scenery_.cells - 1, other, true};
+        if (at <= scenery_.row_start(own)) fresh.left = {Real(own), own, other, true};
+        if (at >= scenery_.row_end(own)) fresh.right = {Real(own + 1), own, other, true};
         next_intervals.insert(place, fresh);
         is_kink_ = true;
         break;
@@ -1233,17 +1319,21 @@ class Solver {
 
   // ---- shocks
 
-  /// Pieces of contact in the same cell or in neighbours are one shock.
+  /// Whether pieces of contact are in the same cell or in neighbours, of one row or two.
+  bool are_neighbours(const Interval& a, const Interval& b) const {
+    const Scenery& s = scenery_;
+    return std::abs(s.row_of(a.left.own) - s.row_of(b.left.own)) <= 1 &&
+           s.along(a.left.own) <= s.along(b.right.own) + 1 &&
+           s.along(b.left.own) <= s.along(a.right.own) + 1;
+  }
+  /// Neighbours are one shock.
   void update_shocks() {
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
       Interval& c = intervals_[i];
-      if (i > 0 && c.left.own <= intervals_[i - 1].right.own + 1) {
-        const int before = intervals_[i - 1].shock;
-        if (c.shock >= 0 && c.shock != before) join(before, c.shock, intervals_);
-        c.shock = intervals_[i - 1].shock;
-      } else if (c.shock < 0 && i + 1 < intervals_.size() &&
-                 c.right.own + 1 >= intervals_[i + 1].left.own && intervals_[i + 1].shock >= 0) {
-        c.shock = intervals_[i + 1].shock;
+      for (const Interval& other : intervals_) {
+        if (&other == &c || other.shock < 0 || !are_neighbours(c, other)) continue;
+        if (c.shock >= 0 && c.shock != other.shock) join(other.shock, c.shock, intervals_);
+        c.shock = other.shock;
       }
       if (c.shock < 0) {
         c.shock = static_cast<int>(shocks_.size());

@@ -6,7 +6,8 @@
 
 /// A reference for contact between smooth faces, in long double and without steps of a fixed size.
 /// It takes from the model the heights at the nodes, the modes' masses, frequencies, damping and
-/// loads, and the start. Splines, shapes, contact and time integration are its own.
+/// loads, and the start. Splines, shapes, contact and time integration are its own. In an areal
+/// scene each row of the slider is a line of contact, and the modes' numbers are the program's.
 ///
 /// In space: the overlap o(s) along the slider is a polynomial on each piece between two nodes of
 /// either face: cubic faces, and the shapes' Taylor polynomials, continued until nothing is left

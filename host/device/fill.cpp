@@ -123,6 +123,7 @@ void Filler::numbers() {
   tables_.faces.groups = n_.groups;
   if (model_.is_areal) {
     tables_.faces.rows.nodes = n_.row_nodes;
+    tables_.faces.rows.length = tables_.slider.row;
     tables_.faces.rows.groups = n_.row_groups;
     tables_.faces.rows.excess = n_.row_heights - tables_.slider.row;
     tables_.faces.rows.behind = n_.behind;
@@ -307,12 +308,12 @@ void Filler::slider_shapes() {
       shape[n] = shape_at(model_.slider.modes[k], n * scene_.spacing);
     if (!n_.smooth) continue;
     double* const cell =
-        host_(tables_.slider.cell) + 4 * static_cast<std::size_t>(k) * n_.padded_nodes();
-    for (int n = 0; n + 1 < n_.nodes; ++n) {
+        host_(tables_.slider.cell) + 4 * static_cast<std::size_t>(k) * n_.padded_row();
+    for (int n = 0; n + 1 < n_.row_nodes; ++n) {
       double d[4], unit_power = 1.0;
       model_.slider.modes[k].shape->evaluate((n + 0.5) * scene_.spacing, 4, d);
       for (int j = 0; j < 4; ++j) {
-        cell[j * n_.padded_nodes() + n] = d[j] * unit_power;
+        cell[j * n_.padded_row() + n] = d[j] * unit_power;
         unit_power *= scene_.spacing / (j + 1.0);
       }
     }
@@ -378,6 +379,8 @@ void Filler::tiles() {
   const double* const h2 = host_(tables_.faces.height2);
   double* const highest1 = host_(t.highest1);
   double* const highest2 = host_(t.highest2);
+  // what CandidateGroups::sag_on_path may add
+  const double raised = 2.0 * tables_.faces.largest_cell_sag;
   std::fill_n(highest1, static_cast<std::size_t>(t.bands) * t.row, -1e30);
   std::vector<double> group(n_.row_heights / n_.width + 1);
   for (int band = 0; band < t.bands; ++band) {
@@ -387,7 +390,8 @@ void Filler::tiles() {
     for (int row = first; row < last; ++row) {
       const double* const row1 = h1 + row * n_.padded_row();
       const double* const row2 = h2 + static_cast<std::size_t>(row) * n_.row_heights;
-      for (int i = 0; i < n_.row_nodes; ++i) own[i / tile] = std::max(own[i / tile], row1[i]);
+      for (int i = 0; i < n_.row_nodes; ++i)
+        own[i / tile] = std::max(own[i / tile], row1[i] + raised);
       for (int i = 0; i < n_.row_heights; ++i)
         group[i / n_.width] = std::max(group[i / n_.width], row2[i]);
     }
@@ -429,26 +433,43 @@ void Filler::tile_variation(const ModeOnLane& mode) {
 
 /// Splines instead of straight lines. `h2`: the resonator's heights, padded.
 void Filler::smooth_faces(const double* h2) {
-  std::copy(model_.slider_curvature.begin(), model_.slider_curvature.end(),
-            host_(tables_.faces.curvature1));
-  double* const curvature = host_(tables_.faces.curvature2);
-  std::fill_n(curvature, n_.heights, 0.0);
-  std::copy_n(model_.resonator_curvature.begin(),
-              std::min<std::size_t>(model_.resonator_curvature.size(), n_.heights), curvature);
   FaceTables& faces = tables_.faces;
-  faces.largest_face_curvature = largest_face_curvature(curvature, n_.heights);
-  faces.steepest_rise = steepest_rise(h2, curvature, n_.heights);
-  faces.highest_overlap += 0.125 * (faces.largest_face_curvature +
-                                    largest_face_curvature(host_(faces.curvature1), n_.nodes));
-  // Both cells beside a slider node reach from the one before it to the one after. While the left
-  // of these nodes stands in one spacing of the resonator, its pieces from the node before that
-  // under the slider's to the second after it pass them.
-  fill_sag(host_(faces.curvature1), n_.nodes, 1, 1, host_(faces.sag1));
-  fill_sag(curvature, n_.heights, 1, 2, host_(faces.sag2));
-  fill_highest(host_(faces.sag2), n_.heights, n_.width, host_(faces.highest_sag2));
-  std::vector<double> raised(n_.heights);
-  fill_raised(h2, curvature, n_.heights, raised.data());
-  fill_highest(raised.data(), n_.heights, n_.width, host_(faces.highest2));
+  const int given = model_.row_heights();
+  double largest1 = 0;
+  faces.steepest_rise = 0;
+  for (int row = 0; row < model_.rows; ++row) {
+    const auto from = [&](const double* array, std::size_t length) {
+      return host_(array) + row * length;
+    };
+    const std::size_t length = n_.padded_row(), heights = n_.row_heights;
+    double *const curvature1 = from(faces.curvature1, length), *const curvature2 =
+                                                                   from(faces.curvature2, heights);
+    std::fill_n(curvature1, length, 0.0);
+    std::copy_n(model_.slider_curvature.data() + static_cast<std::size_t>(row) * n_.row_nodes,
+                n_.row_nodes, curvature1);
+    std::fill_n(curvature2, heights, 0.0);
+    std::copy_n(
+        model_.resonator_curvature.data() + static_cast<std::size_t>(row) * given + n_.behind,
+        std::min(given - n_.behind, n_.row_heights), curvature2);
+    largest1 = std::max(largest1, largest_face_curvature(curvature1, n_.row_nodes));
+    faces.largest_face_curvature =
+        std::max(faces.largest_face_curvature, largest_face_curvature(curvature2, n_.row_heights));
+    const double* const row2 = h2 + row * heights;
+    faces.steepest_rise =
+        std::max(faces.steepest_rise, steepest_rise(row2, curvature2, n_.row_heights));
+    // Both cells beside a slider node reach from the one before it to the one after. While the left
+    // of these nodes stands in one spacing of the resonator, its pieces from the node before that
+    // under the slider's to the second after it pass them.
+    fill_sag(curvature1, n_.row_nodes, 1, 1, from(faces.sag1, length));
+    fill_sag(curvature2, n_.row_heights, 1, 2, from(faces.sag2, heights));
+    if (model_.is_areal) continue;
+    fill_highest(host_(faces.sag2), n_.heights, n_.width, host_(faces.highest_sag2));
+    std::vector<double> raised(n_.heights);
+    fill_raised(h2, curvature2, n_.heights, raised.data());
+    fill_highest(raised.data(), n_.heights, n_.width, host_(faces.highest2));
+  }
+  faces.largest_cell_sag = 0.125 * (faces.largest_face_curvature + largest1);
+  faces.highest_overlap += faces.largest_cell_sag;
 }
 
 void Filler::adaptive() {

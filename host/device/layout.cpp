@@ -60,7 +60,9 @@ double cluster_remainder(const Model& model, const BodyMode& mode, int degree) {
 
 int cluster_degree(const Model& model, int width) {
   const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  if (!model.is_areal || !is_adaptive(model.scene) || modes <= 3 * width) return 0;
+  if (!model.is_areal || model.has_smooth_faces() || !is_adaptive(model.scene) ||
+      modes <= 3 * width)
+    return 0;
   for (const BodyMode& mode : model.slider.modes)
     if (mode.shape->wave_number() > 0.0) return 0;
   const double bearable = 0.03 * model.scene.time.tolerance.value_or(usual_tolerance);

@@ -84,10 +84,13 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
   for (const int node : s.latest_contact.pair)
     if (!is_within(node, 0, n.nodes - 1)) return "its nodes in contact are none of the slider's";
   if (!is_within(s.contacts.count, 0, n.contacts)) return "its closed nodes are too many";
-  for (int e = 0; e < s.contacts.count; ++e)
-    if (!is_within(s.contacts.nodes[e], e > 0 ? s.contacts.nodes[e - 1] + 1 : 0,
-                   n.nodes - (n.smooth ? 2 : 1)))
+  const int length = static_cast<int>(n.padded_row()), cells = n.row_nodes - (n.smooth ? 1 : 0);
+  for (int e = 0; e < s.contacts.count; ++e) {
+    const int node = s.contacts.nodes[e];
+    if (!is_within(node, e > 0 ? s.contacts.nodes[e - 1] + 1 : 0, n.nodes - 1) ||
+        node % length >= cells)
       return "its closed nodes do not ascend";
+  }
   if (!is_within(s.control.shape_terms, 1, 4)) return "its number of terms is none";
   if (!is_within(s.control.flight_level, 0, 60)) return "its flight is too long";
   return {};

@@ -31,7 +31,11 @@ double areal_memory(const Scene& scene) {
   const double rows = map_rows(scene.slider.width, scene.spacing_y.value_or(scene.spacing));
   const double along = nodes_along(scene), beyond = last_node(scene) + 1;
   const double behind = std::floor(scene.start / scene.spacing);
-  const double maps = along + beyond, tables = along + (beyond - behind) + along;
+  double maps = along + beyond, tables = along + (beyond - behind) + along;
+  if (scene.faces == Faces::smooth) {  // curvatures, and what they let cells exceed their ends by
+    tables += 2 * (along + beyond - behind);
+    maps *= 2;
+  }
   return program_memory + rows * (sizeof(double) * (maps + tables) + lists * along);
 }
 

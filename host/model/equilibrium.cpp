@@ -411,6 +411,15 @@ std::vector<int> highest_of_tiles(const Model& model, const std::vector<double>&
   return nodes;
 }
 
+/// The cells at these nodes, by their left nodes.
+std::vector<int> highest_cells(const Model& model) {
+  std::vector<int> cells = highest_of_tiles(model, overlaps(model, {}, {}));
+  for (int& n : cells)
+    if (n % model.row_nodes() == model.row_nodes() - 1) --n;
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
 /// Of millions of nodes few carry force. The equilibrium with some of them is that with all, where
 /// no other overlaps; those that do are taken in.
 Rest find_areal_equilibrium(const Model& model) {
@@ -474,14 +483,18 @@ Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
   const char* const not_found = "no static equilibrium was found";
   if (model.scene.initial == Initial::statics && modes > 0) {
     if (multipliers) {
-      const std::optional<SmoothRest> rest = smooth_rest(model);
+      std::vector<int> first;
+      if (model.is_areal) first = highest_cells(model);
+      const std::optional<SmoothRest> rest = smooth_rest(model, first);
       if (!rest || !rest->feasible) throw no_equilibrium(model.scene, rest ? no_rest : not_found);
       u = rest->u;
       start.contact_force = rest->force;
       start.loaded_nodes = rest->cells;
     } else {
       // the contact of the nodes alone is not far from it
-      const auto nodes = settled_bodies(Potential(model), model.node_stiffness, Shift::common);
+      const auto nodes =
+          model.is_areal ? std::optional(find_areal_equilibrium(model).u)
+                         : settled_bodies(Potential(model), model.node_stiffness, Shift::common);
       const std::optional<std::vector<double>> settled = smooth_equilibrium(
           model, nodes ? std::vector<double>(nodes->data(), nodes->data() + nodes->size())
                        : std::vector<double>());

@@ -48,7 +48,11 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
   });
 }
 
-/// The maps of an areal scene's own surfaces. On the resonator they end where the slider does.
+/// Nodes beyond which a spline feels a height by less than roundings: (2 - sqrt 3)^28 is 1e-16.
+constexpr std::size_t spline_reach = 28;
+
+/// The maps of an areal scene's own surfaces. On the resonator they end where the slider does, or
+/// little later.
 HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   require_areal_memory(scene, static_cast<double>(available_memory()));
   const double spacing_y = *scene.spacing_y, rows = map_rows(scene.slider.width, spacing_y);
@@ -61,6 +65,9 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   nodes.side = *scene.side;
   nodes.rows = static_cast<std::size_t>(rows);
   nodes.nx = static_cast<std::size_t>(last_node(scene)) + 1;
+  // so that a spline does not feel where the face ends
+  if (scene.faces == Faces::smooth && scene.resonator.surface.kind == SurfaceKind::gaussian)
+    nodes.nx += spline_reach;
   nodes.first = static_cast<std::size_t>(scene.start / scene.spacing);
   HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
   const auto face = [&](const char* name, const BodySpec& body) {
@@ -159,11 +166,8 @@ void check_roundings(const Model& m) {
           scene.contact.stiffness * share * m.slider.load_force / (rounding * m.node_stiffness)));
 }
 
-/// Refuses what is not built for areal scenes, and places without a y.
-void refuse_unbuilt(const Scene& scene) {
-  if (scene.faces != Faces::linear)
-    throw refusal(scene, "scene.faces",
-                  "not built yet for areal scenes: \"smooth\"; use \"linear\"");
+/// Refuses places without a y.
+void require_y(const Scene& scene) {
   for (const MovingForce& force : scene.resonator.moving_forces)
     if (!force.y) throw refusal(scene, "resonator.moving_force", "has no y: expected one");
   for (const auto& [key, places] : {std::pair{"output.probes", &scene.output.probes},
@@ -245,6 +249,19 @@ void make_ready(Model& m) {
                       over, has_equilibrium(scene) ? " or scene.initial = \"static\"" : ""));
 }
 
+/// The splines along the rows of a face (spline_curvatures).
+std::vector<double> row_curvatures(const std::vector<double>& height, int rows) {
+  const std::size_t length = height.size() / rows;
+  std::vector<double> curvature;
+  curvature.reserve(height.size());
+  for (int row = 0; row < rows; ++row) {
+    const double* const first = height.data() + row * length;
+    const std::vector<double> of_row = spline_curvatures({first, first + length});
+    curvature.insert(curvature.end(), of_row.begin(), of_row.end());
+  }
+  return curvature;
+}
+
 /// `doubts`: of the maps.
 Model areal_model(Scene scene, HeightMaps maps, std::vector<std::string> doubts) {
   check_maps(scene, maps);
@@ -262,6 +279,10 @@ Model areal_model(Scene scene, HeightMaps maps, std::vector<std::string> doubts)
   m.side = maps.side;
   m.resonator_height = std::move(maps.resonator);
   m.slider_height = std::move(maps.slider);
+  if (m.has_smooth_faces()) {
+    m.resonator_curvature = row_curvatures(m.resonator_height, m.rows);
+    m.slider_curvature = row_curvatures(m.slider_height, m.rows);
+  }
   m.node_stiffness = m.scene.contact.stiffness * m.scene.spacing * m.spacing_y;
   make_ready(m);
   return m;
@@ -271,7 +292,7 @@ Model areal_model(Scene scene, HeightMaps maps, std::vector<std::string> doubts)
 
 Model make_model(const Scene& scene) {
   if (scene.kind == SceneKind::areal) {
-    refuse_unbuilt(scene);
+    require_y(scene);
     std::vector<std::string> doubts = scene_doubts(scene);
     HeightMaps maps = maps_of(scene, doubts);
     return areal_model(scene, std::move(maps), std::move(doubts));
@@ -294,7 +315,7 @@ Model make_model(const Scene& scene) {
 }
 
 Model make_model(const Scene& scene, const HeightMaps& maps) {
-  refuse_unbuilt(scene);
+  require_y(scene);
   return areal_model(scene, maps, {});
 }
 

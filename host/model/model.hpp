@@ -17,15 +17,16 @@ namespace ra2d {
 struct Model {
   Scene scene;
   Body resonator, slider;
-  SharedNumbers resonator_height, slider_height;        // m, at the nodes: (row, node along x)
-  SharedNumbers resonator_curvature, slider_curvature;  // m, of smooth faces (spline_curvatures)
-  double delta = 0;                                     // m, imposed distance of the mean lines
-  double node_stiffness = 0;                            // N/m, kappa chi w; areal: kappa chi chi_y
-  double position = 0;                                  // of slider node 0 at t = 0, in chi
-  double tick = 0;                                      // s
-  double advance = 0;                                   // per tick, in chi
-  std::int64_t steps = 0;                               // ticks of the whole run
-  double steps_per_sample = 0;                          // ticks; a power of two when adaptive
+  SharedNumbers resonator_height, slider_height;  // m, at the nodes: (row, node along x)
+  // m, of smooth faces, along x (spline_curvatures)
+  SharedNumbers resonator_curvature, slider_curvature;
+  double delta = 0;                 // m, imposed distance of the mean lines
+  double node_stiffness = 0;        // N/m, kappa chi w; areal: kappa chi chi_y
+  double position = 0;              // of slider node 0 at t = 0, in chi
+  double tick = 0;                  // s
+  double advance = 0;               // per tick, in chi
+  std::int64_t steps = 0;           // ticks of the whole run
+  double steps_per_sample = 0;      // ticks; a power of two when adaptive
   std::int64_t end = 0;             // tick that it ends at: `steps`, or the end of output.window
   std::int64_t samples = 0;         // until then, from t = 0 on
   std::int64_t first_sample = 0;    // the first that is kept (output.window)
@@ -46,8 +47,7 @@ struct Model {
   std::int64_t kept_samples() const { return samples - first_sample; }
 };
 
-/// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit, and
-/// for what is not built for areal scenes: smooth faces.
+/// Builds bodies and surfaces and places the slider. Throws RequestError where they do not fit.
 Model make_model(const Scene& scene);
 
 /// The faces of an areal scene, on rows of constant y.

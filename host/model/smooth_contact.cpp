@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -19,11 +20,9 @@ using Polynomial = std::array<double, 4>;  // of the place in a cell, from its m
 double value(const Polynomial& p, double x) { return p[0] + x * (p[1] + x * (p[2] + x * p[3])); }
 double slope(const Polynomial& p, double x) { return p[1] + x * (2 * p[2] + x * 3 * p[3]); }
 
-/// The spline between two nodes, with the origin `x` from the left one.
-Polynomial piece(const std::vector<double>& height, const std::vector<double>& curvature,
-                 std::size_t left, double x) {
-  const std::size_t last = height.size() - 1, i = std::min(left, last),
-                    j = std::min(left + 1, last);
+/// The spline between two nodes of a row, with the origin `x` from the left one.
+Polynomial piece(const double* height, const double* curvature, int nodes, int left, double x) {
+  const int i = std::min(left, nodes - 1), j = std::min(left + 1, nodes - 1);
   const Polynomial p{height[i], height[j] - height[i] - (2 * curvature[i] + curvature[j]) / 6,
                      curvature[i] / 2, (curvature[j] - curvature[i]) / 6};
   return {value(p, x), slope(p, x), p[2] + 3 * x * p[3], p[3]};
@@ -35,15 +34,21 @@ struct CellOverlap {
   std::array<Polynomial, 2> sides;
 };
 
+/// `cell`: its left node.
 CellOverlap faces_of(const Model& m, int cell) {
-  const int base = static_cast<int>(m.position);
+  const int base = static_cast<int>(m.position), row = cell / m.row_nodes(),
+            along = cell % m.row_nodes();
   const double theta = m.position - base;
-  Polynomial own = piece(m.slider_height, m.slider_curvature, cell, 0.5);
+  const std::ptrdiff_t first1 = std::ptrdiff_t{row} * m.row_nodes(),
+                       first2 = std::ptrdiff_t{row} * m.row_heights();
+  Polynomial own = piece(m.slider_height.data() + first1, m.slider_curvature.data() + first1,
+                         m.row_nodes(), along, 0.5);
   own[0] -= m.delta;
   CellOverlap out{0.5 - theta, {}};
   for (int side = 0; side < 2; ++side) {
     const Polynomial other =
-        piece(m.resonator_height, m.resonator_curvature, base + cell + side, theta + 0.5 - side);
+        piece(m.resonator_height.data() + first2, m.resonator_curvature.data() + first2,
+              m.row_heights(), base + along + side, theta + 0.5 - side);
     for (int j = 0; j < 4; ++j) out.sides[side][j] = own[j] + other[j];
   }
   return out;
@@ -90,11 +95,12 @@ void visit_positive(const Polynomial& p, double from, double to, const Visit& vi
   }
 }
 
-/// The modes' shapes along the cells at t = 0: (4 cell + power of the place; mode).
-Eigen::MatrixXd shapes_along_cells(const Model& m) {
+/// The modes' shapes along the cells of a row at t = 0: (4 cell + power of the place; mode). In an
+/// areal scene each mode has its share of them on a row (AllCells).
+Eigen::MatrixXd shapes_along_row(const Model& m) {
   const double chi = m.scene.spacing;
   const auto modes = static_cast<Eigen::Index>(m.resonator.modes.size() + m.slider.modes.size());
-  const int cells = m.nodes() - 1;
+  const int cells = m.row_nodes() - 1;
   Eigen::MatrixXd shapes(4 * cells, modes);
   for (int n = 0; n < cells; ++n) {
     Eigen::Index k = 0;
@@ -122,20 +128,26 @@ bool is_open(const Polynomial& o) {
   return o[0] + 0.5 * std::abs(o[1]) + 0.25 * std::abs(o[2]) + 0.125 * std::abs(o[3]) < 0;
 }
 
-/// The faces along the slider, and how the modes move them.
+CellOverlap moved_by(CellOverlap cell, const double* displacement) {
+  for (Polynomial& side : cell.sides)
+    for (int j = 0; j < 4; ++j) side[j] += displacement[j];
+  return cell;
+}
+
+/// Faces along some cells of the slider, and how the modes move them.
 class Cells {
  public:
-  explicit Cells(const Model& model) : shapes_{shapes_along_cells(model)} {
-    for (int n = 0; n + 1 < model.nodes(); ++n) faces_.push_back(faces_of(model, n));
+  /// `numbers`: of the cells, each that of its left node. `shapes`: along them.
+  Cells(const Model& model, std::vector<int> numbers, Eigen::MatrixXd shapes)
+      : numbers_{std::move(numbers)}, shapes_{std::move(shapes)} {
+    for (const int n : numbers_) faces_.push_back(faces_of(model, n));
   }
   int count() const { return static_cast<int>(faces_.size()); }
+  int number(int cell) const { return numbers_[cell]; }
   const Eigen::MatrixXd& shapes() const { return shapes_; }  // (4 cell + power of the place; mode)
   /// The overlap in a cell that is moved by this polynomial.
   CellOverlap overlap(int cell, const double* displacement) const {
-    CellOverlap moved = faces_[cell];
-    for (Polynomial& side : moved.sides)
-      for (int j = 0; j < 4; ++j) side[j] += displacement[j];
-    return moved;
+    return moved_by(faces_[cell], displacement);
   }
   /// Calls visit(place, overlap, weight) for the points of a quadrature over what overlaps of a
   /// cell.
@@ -164,8 +176,66 @@ class Cells {
   }
 
  private:
+  std::vector<int> numbers_;
   Eigen::MatrixXd shapes_;
   std::vector<CellOverlap> faces_;
+};
+
+/// All cells of the slider. Of an areal scene they are too many for a matrix of their shapes: that
+/// of one row, and each mode's share on the rows, make it.
+class AllCells {
+ public:
+  explicit AllCells(const Model& model)
+      : model_{model}, along_{shapes_along_row(model)}, across_(along_.cols(), model.rows) {
+    across_.setOnes();
+    if (!model.is_areal) return;
+    for (int row = 0; row < model.rows; ++row) {
+      Eigen::Index k = 0;
+      for (const BodyMode& mode : model.resonator.modes)
+        mode.shape->evaluate_across(model.side + model.eta(row), 1, &across_(k++, row));
+      for (const BodyMode& mode : model.slider.modes)
+        mode.shape->evaluate_across(model.eta(row), 1, &across_(k++, row));
+    }
+  }
+  /// Calls visit(number, overlap) for each cell at the displacements u.
+  template <class Visit>
+  void visit(const Eigen::VectorXd& u, const Visit& visit) const {
+    for (int row = 0; row < model_.rows; ++row) {
+      const Eigen::VectorXd moved = along_ * across_.col(row).cwiseProduct(u);
+      const int first = row * model_.row_nodes();
+      for (int i = 0; i + 1 < model_.row_nodes(); ++i)
+        visit(first + i, moved_by(faces_of(model_, first + i), &moved[Eigen::Index{4} * i]));
+    }
+  }
+  /// Those with an overlap above 0 anywhere at u, by their numbers.
+  std::vector<int> touching(const Eigen::VectorXd& u) const {
+    std::vector<int> numbers;
+    visit(u, [&](int number, const CellOverlap& cell) {
+      if (is_open(cell.sides[0]) && is_open(cell.sides[1])) return;
+      if (Cells::highest(cell).second > 0) numbers.push_back(number);
+    });
+    return numbers;
+  }
+  std::vector<int> all() const {
+    std::vector<int> numbers;
+    for (int n = 0; n < model_.nodes(); ++n)
+      if (n % model_.row_nodes() < model_.row_nodes() - 1) numbers.push_back(n);
+    return numbers;
+  }
+  Cells some(std::vector<int> numbers) const {
+    Eigen::MatrixXd shapes(4 * static_cast<Eigen::Index>(numbers.size()), along_.cols());
+    for (std::size_t e = 0; e < numbers.size(); ++e) {
+      const int row = numbers[e] / model_.row_nodes(), i = numbers[e] % model_.row_nodes();
+      shapes.middleRows<4>(4 * static_cast<Eigen::Index>(e)) =
+          along_.middleRows<4>(Eigen::Index{4} * i) * across_.col(row).asDiagonal();
+    }
+    return {model_, std::move(numbers), std::move(shapes)};
+  }
+
+ private:
+  const Model& model_;
+  Eigen::MatrixXd along_;   // shapes_along_row
+  Eigen::MatrixXd across_;  // (mode, row)
 };
 
 /// Stiffness [N/m] and load [N] of the modes of both bodies.
@@ -185,11 +255,10 @@ struct ModalSprings {
 
 class SmoothPotential {
  public:
-  explicit SmoothPotential(const Model& model)
-      : cells_{model}, springs_{model, modes()}, spring_{model.node_stiffness} {}
+  SmoothPotential(const Model& model, Cells cells)
+      : cells_{std::move(cells)}, springs_{model, modes()}, spring_{model.node_stiffness} {}
   Eigen::Index modes() const { return cells_.shapes().cols(); }
   double spring() const { return spring_; }
-  const Cells& cells() const { return cells_; }
 
   /// Minimises from `u`, until the residual is `enough` of the forces; false when it does not
   /// settle.
@@ -302,7 +371,8 @@ class SmoothPotential {
 
 double largest_smooth_overlap(const Model& m) {
   double largest = -std::numeric_limits<double>::infinity();
-  for (int n = 0; n + 1 < m.nodes(); ++n) {
+  for (int n = 0; n < m.nodes(); ++n) {
+    if (n % m.row_nodes() == m.row_nodes() - 1) continue;  // no cell begins there
     const CellOverlap cell = faces_of(m, n);
     for (int side = 0; side < 2; ++side)
       for (const double edge : monotonic_between(cell.sides[side], side == 0 ? -0.5 : cell.knot,
@@ -313,56 +383,113 @@ double largest_smooth_overlap(const Model& m) {
 }
 
 SmoothContact smooth_contact(const Model& model, const std::vector<double>& u) {
-  const Cells cells(model);
   const double spring = model.node_stiffness;
   SmoothContact sum;
-  const Eigen::VectorXd displacement =
-      cells.shapes() *
-      Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
-  for (int n = 0; n < cells.count(); ++n)
-    Cells::visit_points(cells.overlap(n, &displacement[4 * n]),
-                        [&](double, double over, double weight) {
-                          sum.force += spring * weight * over;
-                          sum.energy += 0.5 * spring * weight * over * over;
-                          if (sum.cells.empty() || sum.cells.back() != n) sum.cells.push_back(n);
-                        });
+  AllCells(model).visit(
+      Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size())),
+      [&](int number, const CellOverlap& cell) {
+        Cells::visit_points(cell, [&](double, double over, double weight) {
+          sum.force += spring * weight * over;
+          sum.energy += 0.5 * spring * weight * over * over;
+          if (sum.cells.empty() || sum.cells.back() != number) sum.cells.push_back(number);
+        });
+      });
   return sum;
 }
 
-std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
-                                                      const std::vector<double>& guess) {
-  const SmoothPotential potential(model);
+namespace {
+
+/// As smooth_equilibrium, of these cells alone.
+std::optional<Eigen::VectorXd> settled_on(const SmoothPotential& potential,
+                                          const std::vector<double>& guess) {
   Eigen::VectorXd u = Eigen::VectorXd::Zero(potential.modes());
-  const auto settled = [&] { return std::vector<double>(u.data(), u.data() + u.size()); };
   if (!guess.empty()) {
     u = Eigen::Map<const Eigen::VectorXd>(guess.data(), potential.modes());
-    if (potential.minimise(u, potential.spring(), 1e-16)) return settled();
+    if (potential.minimise(u, potential.spring(), 1e-16)) return u;
     u.setZero();
   }
   for (double soft = 1e-10; soft < 0.5; soft *= 10)
     if (!potential.minimise(u, soft * potential.spring(), 1e-6)) return std::nullopt;
   if (!potential.minimise(u, potential.spring(), 1e-16)) return std::nullopt;
-  return settled();
+  return u;
 }
 
-std::optional<SmoothRest> smooth_rest(const Model& model) {
+/// Takes the cells of `more` into those of an ascending list. Whether any was missing.
+bool take_in(std::vector<int>& cells, const std::vector<int>& more) {
+  std::vector<int> all;
+  std::set_union(cells.begin(), cells.end(), more.begin(), more.end(), std::back_inserter(all));
+  const bool any = all.size() > cells.size();
+  cells = std::move(all);
+  return any;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
+                                                      const std::vector<double>& guess) {
+  const AllCells all(model);
+  const auto vector = [](const Eigen::VectorXd& u) {
+    return std::vector<double>(u.data(), u.data() + u.size());
+  };
+  if (!model.is_areal) {
+    const auto settled = settled_on({model, all.some(all.all())}, guess);
+    return settled ? std::optional(vector(*settled)) : std::nullopt;
+  }
+  // Of millions of cells few carry force. The equilibrium with some of them is that with all, where
+  // no other overlaps.
+  constexpr int rounds = 100;
+  std::vector<double> u = guess;
+  std::vector<int> cells;
+  take_in(cells, all.touching(Eigen::Map<const Eigen::VectorXd>(
+                     u.data(), static_cast<Eigen::Index>(u.size()))));
+  for (int round = 0; round < rounds; ++round) {
+    const auto settled = settled_on({model, all.some(cells)}, u);
+    if (!settled) return std::nullopt;
+    u = vector(*settled);
+    if (!take_in(cells, all.touching(*settled))) return u;
+  }
+  return std::nullopt;
+}
+
+std::optional<SmoothRest> smooth_rest(const Model& model, const std::vector<int>& first_cells) {
   constexpr int rounds = 200;
+  constexpr std::size_t most_added = 4096;
   constexpr double eps = std::numeric_limits<double>::epsilon();
-  const Cells cells(model);
-  const Eigen::Index modes = cells.shapes().cols();
+  const AllCells all(model);
+  const Cells first = all.some(first_cells.empty() ? all.all() : first_cells);
+  const Eigen::Index modes = first.shapes().cols();
   const ModalSprings springs(model, modes);
   ContactProgram program{springs.stiffness, springs.load, Eigen::MatrixXd(0, modes),
                          Eigen::VectorXd(0), 0.0};
   std::vector<int> cell_of;  // of each place
   Eigen::VectorXd u = Eigen::VectorXd::Zero(modes), forces;
-  double allowed = -std::numeric_limits<double>::infinity();  // at first a place of every cell
+  struct HighPlace {
+    int cell;
+    double at, over;
+  };
+  std::vector<HighPlace> added;
+  const double still[4] = {};
+  for (int n = 0; n < first.count(); ++n) {
+    const auto [at, over] = Cells::highest(first.overlap(n, still));
+    added.push_back({first.number(n), at, over});
+  }
+  double allowed = 0;
   for (int round = 0; round < rounds; ++round) {
-    const Eigen::VectorXd displacement = cells.shapes() * u;
-    std::vector<std::pair<int, double>> added;
-    for (int n = 0; n < cells.count(); ++n)
-      if (const auto [at, over] = Cells::highest(cells.overlap(n, &displacement[4 * n]));
-          over > allowed)
-        added.emplace_back(n, at);
+    if (round > 0) {
+      added.clear();
+      all.visit(u, [&](int number, const CellOverlap& cell) {
+        if (is_open(cell.sides[0]) && is_open(cell.sides[1])) return;
+        if (const auto [at, over] = Cells::highest(cell); over > allowed)
+          added.push_back({number, at, over});
+      });
+      if (added.size() > most_added) {
+        std::nth_element(added.begin(), added.begin() + most_added, added.end(),
+                         [](const HighPlace& a, const HighPlace& b) { return a.over > b.over; });
+        added.resize(most_added);
+        std::sort(added.begin(), added.end(),
+                  [](const HighPlace& a, const HighPlace& b) { return a.cell < b.cell; });
+      }
+    }
     if (added.empty()) {
       SmoothRest rest{.feasible = true,
                       .u = {u.data(), u.data() + u.size()},
@@ -374,16 +501,19 @@ std::optional<SmoothRest> smooth_rest(const Model& model) {
       rest.cells.erase(std::unique(rest.cells.begin(), rest.cells.end()), rest.cells.end());
       return rest;
     }
+    std::vector<int> numbers;
+    for (const HighPlace& place : added) numbers.push_back(place.cell);
+    const Cells cells = all.some(numbers);
     Eigen::Index row = program.faces.size();
     program.shapes.conservativeResize(row + static_cast<Eigen::Index>(added.size()), modes);
     program.faces.conservativeResize(program.shapes.rows());
-    for (const auto& [cell, x] : added) {
-      const double still[4] = {};
-      const CellOverlap faces = cells.overlap(cell, still);
+    for (int n = 0; n < cells.count(); ++n) {
+      const double x = added[n].at;
+      const CellOverlap faces = cells.overlap(n, still);
       program.faces[row] = value(faces.sides[x > faces.knot ? 1 : 0], x);
       program.shapes.row(row++) =
-          Eigen::RowVector4d(1, x, x * x, x * x * x) * cells.shapes().middleRows<4>(4 * cell);
-      cell_of.push_back(cell);
+          Eigen::RowVector4d(1, x, x * x, x * x * x) * cells.shapes().middleRows<4>(4 * n);
+      cell_of.push_back(cells.number(n));
     }
     const std::optional<RestingContact> solved = solve(program);
     if (!solved) return std::nullopt;

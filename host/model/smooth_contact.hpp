@@ -15,7 +15,7 @@ double largest_smooth_overlap(const Model& model);
 /// The contact at t = 0, summed over the cells.
 struct SmoothContact {
   double force = 0, energy = 0;  // N, J
-  std::vector<int> cells;        // with any contact, in ascending order
+  std::vector<int> cells;        // with any contact, by their left nodes, in ascending order
 };
 
 /// Contact at the modal displacements u, the resonator's first.
@@ -38,7 +38,8 @@ struct SmoothRest {
 
 /// The quadratic programme of host/model/contact_program.hpp with a condition at every place along
 /// the slider, by exchange: it is solved for some places, and those where the faces overlap then
-/// come in, until none is left. Nothing when it does not settle.
-std::optional<SmoothRest> smooth_rest(const Model& model);
+/// come in, until none is left. Nothing when it does not settle. `first`: cells of which the
+/// highest places are taken first, by their left nodes; empty: all.
+std::optional<SmoothRest> smooth_rest(const Model& model, const std::vector<int>& first);
 
 }  // namespace ra2d

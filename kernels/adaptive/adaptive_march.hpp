@@ -243,7 +243,7 @@ class AdaptiveMarch {
         flight_.bounds(now_.u, now_.v, plan.ticks * tables_.motion.time_step);
     const double rise = overlaps_.longest_rise(now_.u, bounds, plan.ticks);
     overlaps_.find_groups(place, now_, bounds, rise, available - plan.ticks);
-    overlaps_.select(bounds, rise);
+    overlaps_.select(now_.u, bounds, rise);
     overlaps_.evaluate_start(place, now_);
     if (!(bounds.size < 1e300)) return fail(Status::not_finite);
     Modes end = flown(plan.ticks);
@@ -362,7 +362,7 @@ class AdaptiveMarch {
     const MotionBounds bounds = series_.bounds(end);
     const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
     overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
-    overlaps_.select(bounds, rise);
+    overlaps_.select(now_.u, bounds, rise);
     overlaps_.evaluate_start(place, now_);
     Modes there;
     series_.state(end, there.u, there.v);
@@ -477,7 +477,7 @@ class AdaptiveMarch {
     overlaps_.evaluate_end(end_place, end.u, end.v);
     const int flagged =
         overlaps_.flag(place, now_.u, ticks * tables_.motion.time_step, bounds, rise);
-    if (!tables_.faces.smooth || flagged == 0) [[likely]]
+    if (!tables_.faces.smooth || flagged == 0 || !overlaps_.has_room(flagged)) [[likely]]
       return flagged;
     // cells are expanded for a window
     if (ticks > path_.ticks_to_next_window(place)) return flagged;
@@ -492,8 +492,9 @@ class AdaptiveMarch {
       const Place place = path_.at(tick_);
       const NodeContact<Lanes, packs> contact = node_contact();
       const ContactSet& set = state_.carried.contacts;
+      if (!contact.expand(place, set.nodes, set.count)) [[unlikely]]
+        return fail(Status::crowded);
       Real force[packs];
-      contact.expand(place, set.nodes, set.count);
       for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
       recorder_.write_last_sample(contact(place, now_.u, set.nodes, set.count, force), now_);
       return true;

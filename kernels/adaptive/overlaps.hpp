@@ -32,7 +32,7 @@ namespace ra2d {
 ///
 /// Areal scenes have many candidate groups, of which few come near contact within a step. There
 /// evaluate skips a group whose last overlap plus its largest rise since then, and within the step,
-/// stays below contact (select): no node of it could be flagged.
+/// stays below contact (select): no node or cell of it could be flagged.
 ///
 /// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
 /// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
@@ -107,12 +107,14 @@ class Overlaps {
       begin_anew(false);
   }
 
-  /// Areal scenes: selects the groups whose overlaps are to be found for a step in which none rises
-  /// by more than `rise`.
-  RA2D_FUNCTION void select(const MotionBounds& bounds, double rise) {
+  /// Areal scenes: selects the groups whose overlaps are to be found for a step from u on, in which
+  /// none rises by more than `rise`. May be called again for the same step.
+  RA2D_FUNCTION void select(const Real* u, const MotionBounds& bounds, double rise) {
     if (!is_selective_) [[likely]]
       return;
-    const double least = highest_start(bounds, rise) - risen_;
+    double least = highest_start(bounds, rise) - risen_;
+    if (faces_.smooth) [[unlikely]]
+      least -= faces_.largest_cell_sag + modes_sag(u, bounds.travel);
     const int all = candidates_.count();
     int count = 0;
     for (int e = 0; e < all; ++e) {
@@ -157,6 +159,10 @@ class Overlaps {
 
   /// Whether so many nodes could be flagged. In plane scenes all can.
   KOKKOS_FORCEINLINE_FUNCTION bool has_room(int flagged) const { return flagged <= most_listed_; }
+  /// A number of nodes for which there never is.
+  static constexpr int no_room = 0x7fffffff;
+  /// Nodes that can be listed.
+  KOKKOS_FORCEINLINE_FUNCTION int most_listed() const { return most_listed_; }
 
   /// Whether the cubics of a step of `time` [s] are off by more than the overlaps that they go
   /// through: if not, those of a shorter step are no better.
@@ -200,7 +206,7 @@ class Overlaps {
       for (; bits != 0; bits &= bits - 1) {
         const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
         if (faces_.smooth) [[unlikely]] {
-          list_cells(node, listed_nodes_, faces_.nodes, count, at);
+          list_cells(node, listed_nodes_, most_listed_, count, at);
           continue;
         }
         while (at < contacts_.count && contacts_.nodes[at] < node) ++at;
@@ -288,13 +294,14 @@ class Overlaps {
           list_cell(cell, cells, capacity, count, last);
     };
     const int all = groups();
-    for (int e = 0; e < all; ++e) {
+    for (int i = 0; i < all; ++i) {
+      const int e = index(i);
       const double* first = start_ + 2 * e * width;
       const Real o = lanes_.load(first) + cell_sag(lanes_, faces_, place, group(e)),
                  then = multiply_add(time, Kokkos::max(lanes_.load(first + width), Real(0.0)), o);
       std::uint32_t bits = lanes_.at_least(then, level);
       if (bits != 0) bits &= lanes_.at_least(o, start);
-      const int left = faces_.nodes - group(e) * width;
+      const int left = nodes_left(faces_, group(e), width);
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
         const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
@@ -324,7 +331,8 @@ class Overlaps {
                  rate1 = -third * pace_rate(motion.pace, 1.0);
     int count = 0, last = 0;
     const int all = groups();
-    for (int e = 0; e < all; ++e) {
+    for (int i = 0; i < all; ++i) {
+      const int e = index(i);
       const double* first = start_ + 2 * e * width;
       const double* end = end_ + 2 * e * width;
       // the cubic lies between the smallest and the largest of its Bernstein coefficients
@@ -334,11 +342,11 @@ class Overlaps {
       const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)) +
                         cell_sag(lanes_, faces_, place, group(e));
       std::uint32_t bits = lanes_.at_least(most, level);
-      const int left = faces_.nodes - group(e) * width;
+      const int left = nodes_left(faces_, group(e), width);
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1)
         list_cells(group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits),
-                   listed_nodes_, faces_.nodes, count, last);
+                   listed_nodes_, most_listed_, count, last);
     }
     lanes_.sync();
     return count;
@@ -355,10 +363,11 @@ class Overlaps {
   /// of a cell the overlap is at most the largest Bernstein coefficient of the cubic through both
   /// ends, but for what that leaves out. `modes_left_out` [m], and of the faces a third of their
   /// second derivative: from the rate at which the slider moves, and its change. Returns the number
-  /// of those left.
+  /// of those left, or no_room.
   RA2D_FUNCTION int keep_close(const End& start, const End& end, int flagged, double modes_left_out,
                                double slide_rate, double change, double tolerance) const {
-    node_contact_.expand(start.place, listed_nodes_, flagged);
+    if (!node_contact_.expand(start.place, listed_nodes_, flagged)) [[unlikely]]
+      return no_room;
     int kept = 0;
     for (int e = 0; e < flagged; ++e) {
       const int cell = listed_nodes_[e];
@@ -386,7 +395,8 @@ class Overlaps {
   /// As search(), along a motion from `place` on, in the listed cells.
   RA2D_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion, double curvature,
                                     const Place& place, int flagged, double tolerance) const {
-    node_contact_.expand(place, listed_nodes_, flagged);
+    if (!node_contact_.expand(place, listed_nodes_, flagged)) [[unlikely]]
+      return -1.0;
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
       const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
@@ -434,7 +444,7 @@ class Overlaps {
   }
   KOKKOS_FORCEINLINE_FUNCTION void list_cell(int cell, int* cells, int capacity, int& count,
                                              int& last) const {
-    if (cell < last || cell < 0 || cell > faces_.nodes - 2) return;
+    if (cell < last || !is_cell(faces_, cell)) return;
     if (lanes_.leader() && count < capacity) cells[count] = cell;
     ++count;
     last = cell + 1;
@@ -517,6 +527,8 @@ class Overlaps {
       const auto [overlap, modes, slope] = sweep.overlap_and_rates(group(e));
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, slope, modes));
+      if (is_selective_ && to == start_ && lanes_.leader()) [[unlikely]]
+        search_.evaluated[e] = steps_;
     }
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - found) * width;
     lanes_.sync();

@@ -71,7 +71,7 @@ class SmoothDrive {
         ended_{ended},
         listed_{work.listed_nodes},
         onsets_{work.search.onsets},
-        capacity_{work.spans.capacity},
+        capacity_{Kokkos::min(work.spans.capacity, overlaps.most_listed())},
         step_{step} {}
 
   /// Whether the forces at the beginning of the next step are those at the end of this one.
@@ -122,6 +122,8 @@ class SmoothDrive {
       if (tells) {
         step_.find_motion();
         first = search(now, place, tick, ticks, available);
+        if (first < 0.0) [[unlikely]]
+          return Outcome::crowded;
         if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
       }
       // a step graded towards a release that is where it should be
@@ -262,8 +264,8 @@ class SmoothDrive {
       start.is_valid = false;
     } else {
       cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
-      if (cells_ < 0) return Outcome::crowded;
-      node_contact_.expand(place, stages_.cells, cells_);
+      if (cells_ < 0 || !node_contact_.expand(place, stages_.cells, cells_))
+        return Outcome::crowded;
       step_.evaluate_start(cells_);
     }
     // how far nodes can be expected to get
@@ -279,18 +281,18 @@ class SmoothDrive {
     const MotionBounds expected{travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
     const double rise = overlaps_.longest_rise(now.u, expected, ticks);
     overlaps_.find_groups(place, now, expected, rise, available - ticks);
+    overlaps_.select(now.u, expected, rise);
     overlaps_.evaluate_start(place, now);
     cells_ = overlaps_.list_likely(place, now.u, expected, time, a, rise, stages_.cells, capacity_);
-    if (cells_ < 0) return Outcome::crowded;
+    if (cells_ < 0 || !node_contact_.expand(place, stages_.cells, cells_)) return Outcome::crowded;
     lanes_.sync();
     if (lanes_.leader()) stages_.cell_count = cells_;
-    node_contact_.expand(place, stages_.cells, cells_);
     step_.keep_start(cells_);
     return Outcome::made;
   }
 
   /// The x at which a contact first begins along the motion that the step has found; beyond 1 where
-  /// none does.
+  /// none does, negative where there is no room for the cells.
   RA2D_FUNCTION double search(const Modes& now, const Place& place, std::int64_t tick,
                               std::int64_t ticks, std::int64_t available) {
     const Motion motion = step_.motion(1.0);
@@ -301,9 +303,11 @@ class SmoothDrive {
     const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
     const double rise = overlaps_.longest_rise(now.u, bounds, ticks);
     overlaps_.find_groups(place, now, bounds, rise, available - ticks);
+    overlaps_.select(now.u, bounds, rise);
     overlaps_.evaluate_start(place, now);
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
     const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
+    if (!overlaps_.has_room(flagged)) return -1.0;
     find_runs(1.0, formula_stages - 1);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
@@ -316,6 +320,7 @@ class SmoothDrive {
         {place, u0, rate0, motion.slide_rate(0.0)}, {end_place, u1, rate1, motion.slide_rate(1.0)},
         flagged_, b.remainder, motion.most_slide_rate(), motion.change_of_slide_rate(), tolerance);
     if (flagged_ == 0) return 3.0;
+    if (!overlaps_.has_room(flagged_)) return -1.0;
     return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
   }
 
@@ -390,7 +395,7 @@ class SmoothDrive {
       const double highest =
           node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored);
       lanes_.sync();
-      if (!(highest > -tolerance) || listed == faces_.nodes) continue;
+      if (!(highest > -tolerance) || listed == overlaps_.most_listed()) continue;
       if (lanes_.leader()) {
         listed_[listed] = cell;
         onsets_[listed] = 0.0;

@@ -95,14 +95,14 @@ class CellComplementarity {
  public:
   RA2D_FUNCTION CellComplementarity(const Lanes& lanes, const FaceTables& faces,
                                     const ContactTables& contact, const MotionLimits& bounds,
-                                    const Caches& caches, ActiveSet& active,
+                                    const Marks& marks, const Caches& caches, ActiveSet& active,
                                     ContactList& contact_list, const int* listed_cells,
                                     const int* interrupted)
       : lanes_{lanes},
         faces_{faces},
         contact_{contact},
         bounds_{bounds},
-        cells_{lanes, caches},
+        cells_{lanes, marks, caches},
         active_{active},
         forces_{lanes, contact, active, Places(lanes, cells_, active)},
         contact_list_{contact_list},
@@ -120,6 +120,10 @@ class CellComplementarity {
     double wide = 0.0;
     for (int round = 0;; ++round) {
       const int cells = list(now);
+      if (cells < 0) [[unlikely]] {
+        result = Solution::crowded;
+        break;
+      }
       double over = contact_.tolerance + wide;
       const CellPoint worst = most_overlapping(place, now, cells, over);
       if (worst.cell < 0) break;
@@ -206,7 +210,7 @@ class CellComplementarity {
       if (lanes_.leader()) {
         contact_list_.nodes[totals.nodes] = cell;
         contact_list_.forces[totals.nodes] = force;
-        contact_list_.centres[totals.nodes] = cell + 0.5 + moment / force;
+        contact_list_.centres[totals.nodes] = along_row(faces_, cell) + 0.5 + moment / force;
       }
       ++totals.nodes;
     }

@@ -41,13 +41,14 @@ class CellSprings {
  public:
   RA2D_FUNCTION CellSprings(const Lanes& lanes, const ContactTables& contact,
                             const MotionLimits& bounds,
-                            const NodeContact<Lanes, packs>& node_contact, const Caches& caches,
-                            ActiveSet& products, const int* listed_cells, const int* interrupted)
+                            const NodeContact<Lanes, packs>& node_contact, const Marks& marks,
+                            const Caches& caches, ActiveSet& products, const int* listed_cells,
+                            const int* interrupted)
       : lanes_{lanes},
         contact_{contact},
         bounds_{bounds},
         node_contact_{node_contact},
-        cells_{lanes, caches},
+        cells_{lanes, marks, caches},
         products_{products},
         listed_cells_{listed_cells},
         interrupted_{interrupted} {}
@@ -71,6 +72,8 @@ class CellSprings {
         now[p] = multiply_add(d[p], w[p], u[p]);
       }
     int cells = list(now);
+    if (cells < 0) [[unlikely]]
+      return Solution::crowded;
     Found found = evaluate(place, now, cells, d, scene, pressing);
     if (guess == nullptr && !found.touches) return Solution::solved;
     for (int round = 0; round < rounds; ++round) {
@@ -97,8 +100,7 @@ class CellSprings {
       if (pushed > most) most = pushed;
       if (distance <=
           contact_.tolerance + displacement_rounding<Lanes, packs>(lanes_, bounds_, now, u)) {
-        finish(place, d, next, u, v, list, totals);
-        return Solution::solved;
+        return finish(place, d, next, u, v, list, totals);
       }
       // by its slope along the step: of E roundings of the overlaps would be seen sooner
       double share = 1.0;
@@ -109,6 +111,8 @@ class CellSprings {
           now[p] = multiply_add(d[p], to[p], u[p]);
         }
         cells = list(now);
+        if (cells < 0) [[unlikely]]
+          return Solution::crowded;
         found = evaluate(place, now, cells, d, scene, pressing);
         for (int p = 0; p < filled<packs>(lanes_); ++p)
           part = multiply_add(to[p] + pressing[p], step[p], part);
@@ -354,8 +358,8 @@ class CellSprings {
 
   /// The end of the step, and the record of the contact there.
   template <class List>
-  RA2D_FUNCTION void finish(const Place& place, const Real* d, const Real* w, Real* u, Real* v,
-                            const List& list, ContactTotals<Real>& totals) const {
+  RA2D_FUNCTION Solution finish(const Place& place, const Real* d, const Real* w, Real* u, Real* v,
+                                const List& list, ContactTotals<Real>& totals) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       u[p] = multiply_add(d[p], w[p], u[p]);
       // the force over the step is -w/D
@@ -364,7 +368,11 @@ class CellSprings {
     }
     Real force[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = Real(0.0);
-    totals = node_contact_(place, u, listed_cells_, list(u), force);
+    const int cells = list(u);
+    if (cells < 0) [[unlikely]]
+      return Solution::crowded;
+    totals = node_contact_(place, u, listed_cells_, cells, force);
+    return Solution::solved;
   }
 };
 

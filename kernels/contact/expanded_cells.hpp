@@ -38,8 +38,11 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
                                         const PatchTables& patches, const Place& place, int cell,
                                         double* shape, double* face) {
   using Real = typename Lanes::Real;
-  RA2D_CHECK(cell >= 0 && cell < faces.nodes - 1);
-  const int at = place.base + cell;
+  RA2D_CHECK(is_cell(faces, cell));
+  const RowTables& rows = faces.rows;
+  // in an areal scene: its row, and where it stands in that
+  const int j = rows.across == nullptr ? 0 : cell / slider.row, i = cell - j * slider.row;
+  const int at = place.base + i;
   Real c[cell_rows][packs];
   Real path[4][packs];
   expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
@@ -52,17 +55,24 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
   for (int k = 0; k < slider.modes; ++k)
     for (int p = 0; p < filled<packs>(lanes); ++p) {
       const Real unit = lanes.load(slider.unit + (k * packs + p) * Lanes::width);
-      const double* own = slider.cell + 4 * k * row + cell;
+      const double* own = slider.cell + 4 * k * row + i;
       c[0][p] = multiply_add(own[0], unit, c[0][p]);
       for (int m = 1; m < 4; ++m)
         c[cell_slider + m - 1][p] = multiply_add(own[m * row], unit, c[cell_slider + m - 1][p]);
+    }
+  if (rows.across != nullptr) [[unlikely]]
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
+      const Real share =
+          lanes.load(rows.across + (static_cast<std::int64_t>(j) * packs + p) * Lanes::width);
+      for (int m = 0; m < cell_rows; ++m) c[m][p] = share * c[m][p];
     }
   for (int m = 0; m < cell_rows; ++m)
     for (int p = 0; p < filled<packs>(lanes); ++p)
       lanes.store(shape + (m * packs + p) * Lanes::width, c[m][p]);
   if (lanes.leader()) {
     const double *h1 = faces.height1 + cell, *b1 = faces.curvature1 + cell;
-    const double *h2 = faces.height2 + at, *b2 = faces.curvature2 + at;
+    const int passed = place.base - rows.behind + cell + j * rows.excess;
+    const double *h2 = faces.height2 + passed, *b2 = faces.curvature2 + passed;
     const Cubic pieces[3] = {spline_piece(h1[0], h1[1], b1[0], b1[1]).about(0.5),
                              spline_piece(h2[0], h2[1], b2[0], b2[1]),
                              spline_piece(h2[1], h2[2], b2[1], b2[2])};
@@ -78,8 +88,8 @@ class ExpandedCells {
   static constexpr int width = Lanes::width;
 
  public:
-  RA2D_FUNCTION ExpandedCells(const Lanes& lanes, const Caches& caches)
-      : lanes_{lanes}, caches_{caches} {}
+  RA2D_FUNCTION ExpandedCells(const Lanes& lanes, const Marks& marks, const Caches& caches)
+      : lanes_{lanes}, caches_{caches}, node_slot_{marks.node_slot} {}
 
   /// Shapes of both bodies' modes of a pack along a cell, sum_j phi_j eta^j, and of these the
   /// resonator's share for j = 1, 2, 3: what changes as the slider moves.
@@ -152,22 +162,26 @@ class ExpandedCells {
     return {cubic(cell, 0), {cubic(cell, 1), cubic(cell, 2)}};
   }
   /// Where an expanded cell stands in the caches.
-  KOKKOS_FORCEINLINE_FUNCTION double* cell_shapes(int cell) const {
-    return caches_.node_shape + static_cast<std::int64_t>(cell) * (cell_rows * packs * width);
+  KOKKOS_FORCEINLINE_FUNCTION double* shapes_in(int slot) const {
+    return caches_.node_shape + static_cast<std::int64_t>(slot) * (cell_rows * packs * width);
   }
-  KOKKOS_FORCEINLINE_FUNCTION double* cell_face(int cell) const {
-    return caches_.node_face + static_cast<std::int64_t>(cell) * cell_numbers;
+  KOKKOS_FORCEINLINE_FUNCTION double* face_in(int slot) const {
+    return caches_.node_face + static_cast<std::int64_t>(slot) * cell_numbers;
   }
 
  private:
   Lanes lanes_;
   const Caches& caches_;
+  const int* node_slot_;  // Marks
 
+  KOKKOS_FORCEINLINE_FUNCTION int slot(int cell) const {
+    return node_slot_ == nullptr ? cell : node_slot_[cell];
+  }
   KOKKOS_FORCEINLINE_FUNCTION Real row(int cell, int m, int p) const {
-    return lanes_.load(cell_shapes(cell) + (m * packs + p) * width);
+    return lanes_.load(shapes_in(slot(cell)) + (m * packs + p) * width);
   }
   KOKKOS_FORCEINLINE_FUNCTION Cubic cubic(int cell, int i) const {
-    const double* c = cell_face(cell) + 4 * i;
+    const double* c = face_in(slot(cell)) + 4 * i;
     return {{c[0], c[1], c[2], c[3]}};
   }
 };

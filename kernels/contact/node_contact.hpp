@@ -90,7 +90,7 @@ class NodeContact {
         marks_{marks},
         caches_{caches},
         contact_list_{contact_list},
-        cells_{lanes, caches},
+        cells_{lanes, marks, caches},
         node_slot_{marks.node_slot} {}
 
   /// Expands the listed nodes that are not expanded for this window yet. False where areal scenes
@@ -103,13 +103,7 @@ class NodeContact {
       const int node = nodes[e];
       if (marks_.node_window[node] == window) continue;
       lanes_.sync();
-      if (faces_.smooth) [[unlikely]]
-        expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
-                                  cells_.cell_shapes(node), cells_.cell_face(node));
-      else
-        expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
-                                  caches_.node_shape + node_offset(node),
-                                  caches_.node_face + 2 * node);
+      expand_in(node, place, node);
       if (lanes_.leader()) marks_.node_window[node] = window;
       lanes_.sync();
     }
@@ -335,7 +329,7 @@ class NodeContact {
     if (recorded && lanes_.leader()) {
       contact_list_.nodes[totals.nodes] = cell;
       contact_list_.forces[totals.nodes] = f0;
-      contact_list_.centres[totals.nodes] = cell + 0.5 + m[1] / m[0];
+      contact_list_.centres[totals.nodes] = along_row(faces_, cell) + 0.5 + m[1] / m[0];
     }
     ++totals.nodes;
   }
@@ -374,6 +368,15 @@ class NodeContact {
   KOKKOS_FORCEINLINE_FUNCTION double rise_at(int slot) const {
     return caches_.node_face[2 * slot + 1];
   }
+  /// Expands a node or cell in this slot of the caches.
+  RA2D_FUNCTION void expand_in(int slot, const Place& place, int node) const {
+    if (faces_.smooth) [[unlikely]]
+      expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+                                cells_.shapes_in(slot), cells_.face_in(slot));
+    else
+      expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+                                caches_.node_shape + offset_of(slot), caches_.node_face + 2 * slot);
+  }
   /// Areal scenes. All that is expanded is of one window.
   RA2D_FUNCTION bool expand_on_rows(const Place& place, std::int64_t window, const int* nodes,
                                     int count) const {
@@ -387,10 +390,7 @@ class NodeContact {
         break;
       }
       lanes_.sync();
-      expand_node<Lanes, packs>(
-          lanes_, motion_, faces_, slider_, patches_, place, node,
-          caches_.node_shape + static_cast<std::int64_t>(used) * (4 * packs * width),
-          caches_.node_face + 2 * used);
+      expand_in(used, place, node);
       if (lanes_.leader()) {
         node_slot_[node] = used;
         marks_.slot_node[used] = node;

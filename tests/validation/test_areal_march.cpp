@@ -526,7 +526,6 @@ TEST(ArealModel, RefusesWhatDoesNotFit) {
     EXPECT_NE(refused(change).find(key), std::string::npos) << key << ": " << refused(change);
   };
   EXPECT_EQ(refused([](Scene&, HeightMaps&) {}), "taken");
-  expect("scene.faces", [](Scene& s, HeightMaps&) { s.faces = Faces::smooth; });
   expect("resonator.moving_force", [](Scene& s, HeightMaps&) {
     s.resonator.moving_forces = {{1, 1, 0}};  // no y
   });
