@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
@@ -241,25 +242,38 @@ void note_mesh(const Scene& scene, Plan& plan) {
   const double tone = scene.speed / scene.spacing;  // Hz
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
-  plan.notes.push_back(
-      fmt::format("the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
-                  "its multiples, "
-                  "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}{}",
-                  tone, highest, rounded_down(scene.speed / highest),
-                  scene.kind == SceneKind::areal ? "" : ", none with scene.faces = \"smooth\""));
+  plan.notes.push_back(fmt::format(
+      "the mesh makes a tone of its own at scene.speed / scene.spacing = {:.5g} Hz and "
+      "its multiples, "
+      "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
+      "scene.faces = \"smooth\"",
+      tone, highest, rounded_down(scene.speed / highest)));
 }
 
-/// Between nodes that are too far apart for a face, its spline rings.
+/// Between nodes that are too far apart for a face, its spline rings. Of a map some rows are looked
+/// at.
 void note_splines(const Model& model, Plan& plan) {
   if (!model.has_smooth_faces()) return;
-  for (const auto& [name, height] : {std::pair{"resonator", &model.resonator_height},
-                                     std::pair{"slider", &model.slider_height}}) {
-    if (spline_follows(*height)) continue;
+  constexpr int most_rows = 64;
+  for (const auto& [name, heights, length] :
+       {std::tuple{"resonator", &model.resonator_height, model.row_heights()},
+        std::tuple{"slider", &model.slider_height, model.row_nodes()}}) {
+    bool follows = true;
+    double miss = 0, off = 0;
+    for (int i = 0, looked_at = std::min(model.rows, most_rows); i < looked_at; ++i) {
+      const double* const first =
+          heights->data() + std::ptrdiff_t{length} * (std::int64_t{i} * model.rows / looked_at);
+      const std::vector<double> row(first, first + length);
+      follows = follows && spline_follows(row);
+      miss = std::max(miss, spline_miss(row));
+      off = std::max(off, spline_off(row));
+    }
+    if (follows) continue;
     plan.notes.push_back(fmt::format(
         "the {}'s face is not smooth on this spacing: a spline through every other node misses "
         "those between by up to {:.2g} m, so that through all of them may be off by some {:.2g} m "
         "between its nodes. A finer scene.spacing, or scene.faces = \"linear\"",
-        name, spline_miss(*height), spline_off(*height)));
+        name, miss, off));
   }
 }
 
@@ -379,10 +393,10 @@ std::string points_text(const Model& model, const Plan& plan) {
       "GPa); "
       "by\n           Hertz {:.2g} N/m and {:.2g} um wide: contact.stiffness = {:.2g} makes it as "
       "stiff\n           on contact.stiffness = {:.2g} Pa/m they are {:.2g} um wide, {:.2g} "
-      "spacings\n",
+      "{}\n",
       p.contacts, p.load, p.radius * 1e3, p.modulus * 1e-9, p.hertz.stiffness,
-      2e6 * p.hertz.half_width, p.hertz.kappa, scene.contact.stiffness, p.width * 1e6,
-      p.width / std::max(scene.spacing, model.spacing_y));
+      2e6 * p.hertz.half_width, p.hertz.kappa, scene.contact.stiffness, p.width * 1e6, p.nodes,
+      model.has_smooth_faces() ? "rows" : "spacings");
 }
 
 /// A line a choice: how far off it makes the answer, and what it costs.

@@ -66,7 +66,7 @@ Json asperities_json(const Scene& scene, const Asperities& a) {
            scene.contact.law == ContactLaw::penalty ? contact_json(a.springs) : Json()}};
 }
 
-Json points_json(const Scene& scene, const PointContacts& points) {
+Json points_json(const PointContacts& points) {
   if (points.radius == 0) return {};
   return {{"modulus", points.modulus},
           {"radius", points.radius},
@@ -76,8 +76,7 @@ Json points_json(const Scene& scene, const PointContacts& points) {
           {"hertz_contact_stiffness", points.hertz.stiffness},
           {"hertz_stiffness", points.hertz.kappa},
           {"width", points.width},
-          {"width_in_spacings",
-           points.width / std::max(scene.spacing, scene.spacing_y.value_or(scene.spacing))}};
+          {"width_in_spacings", points.nodes}};
 }
 
 Json choice_json(const FaceChoice& choice) {
@@ -150,7 +149,7 @@ std::string plan_json(const Model& model, const Plan& plan) {
         {"node_stiffness", spring ? model.node_stiffness : quiet_nan},
         {"shock_duration", unless_zero(plan.contact_period)}}},
       {"asperities", asperities_json(scene, plan.asperities)},
-      {"point_contacts", points_json(scene, plan.points)},
+      {"point_contacts", points_json(plan.points)},
       {"faces", faces_json(scene, plan)},
       {"time", time_json(scene, plan)},
       {"ringing",

@@ -197,6 +197,8 @@ PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
   if (!(found.radius > 0)) return found;
   found.hertz = point_contact(found.modulus, found.radius, found.load);
   found.width = width_on_springs(scene.contact.stiffness, found.radius, found.load);
+  found.nodes = found.width / (model.has_smooth_faces() ? model.spacing_y
+                                                        : std::max(scene.spacing, model.spacing_y));
   return found;
 }
 

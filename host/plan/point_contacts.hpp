@@ -33,6 +33,8 @@ struct PointContacts {
   double load = 0;     // N, on each
   PointContact hertz;  // of the materials
   double width = 0;    // m, of a contact on the scene's springs
+  double nodes = 0;    // that it is wide, along or across, where they are farther apart; smooth
+                       // faces have none along x: rows
 };
 
 /// None (radius 0) of plane scenes, without a load that is known, under multipliers, and where both

@@ -123,7 +123,8 @@ std::pair<double, std::optional<std::size_t>> cheapest_faces(const SavingsSearch
 
 Scene with_faces_of_reference(const Scene& written) {
   Scene scene = written;
-  if (says_faces(written) || is_flat(written)) return scene;
+  // smooth faces on maps cost more than fine linear ones that are as good
+  if (says_faces(written) || is_flat(written) || written.kind == SceneKind::areal) return scene;
   scene.faces = Faces::smooth;
   try {
     const Model model = make_model(scene);

@@ -527,8 +527,11 @@ class Overlaps {
       const auto [overlap, modes, slope] = sweep.overlap_and_rates(group(e));
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, slope, modes));
-      if (is_selective_ && to == start_ && lanes_.leader()) [[unlikely]]
-        search_.evaluated[e] = steps_;
+    }
+    if (is_selective_ && to == start_) [[unlikely]] {
+      lanes_.sync();
+      if (lanes_.leader())
+        for (int i = 0; i < count; ++i) search_.evaluated[index(i)] = steps_;
     }
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - found) * width;
     lanes_.sync();

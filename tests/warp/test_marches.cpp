@@ -134,17 +134,22 @@ INSTANTIATE_TEST_SUITE_P(Schemes, PackBesideHost, testing::ValuesIn(schemes_unde
 
 TEST(MarchOnWarp, ArealScenesHaveTheBitsOfAPack) {
   constexpr std::int64_t steps = 200;
-  for (const Scheme& kind : schemes_and_implicit()) {
-    if (kind.table().stages > 4) continue;
-    SCOPED_TRACE(kind.name);
+  for (const Faces faces : {Faces::linear, Faces::smooth}) {
+    SCOPED_TRACE(faces == Faces::smooth ? "smooth" : "linear");
+    ArealScene scene = sixty_modes();
+    scene.faces = faces;
+    for (const Scheme& kind : schemes_and_implicit()) {
+      if (kind.table().stages > 4) continue;
+      SCOPED_TRACE(kind.name);
+      Seen seen;
+      expect_same(areal_march(scene, kind, 1e-8, steps, 2, Nodes::candidates), steps, seen);
+      EXPECT_EQ(seen.touching, 1);
+    }
     Seen seen;
-    expect_same(areal_march(sixty_modes(), kind, 1e-8, steps, 2, Nodes::candidates), steps, seen);
+    const Started c = areal_march(scene, 1e-6, 3e-4, 10);
+    expect_same(c, c.model.steps / 20, seen);
     EXPECT_EQ(seen.touching, 1);
   }
-  Seen seen;
-  const Started c = areal_march(sixty_modes(), 1e-6, 3e-4, 10);
-  expect_same(c, c.model.steps / 20, seen);
-  EXPECT_EQ(seen.touching, 1);
 }
 
 TEST(MarchOnWarp, ClustersHaveTheBitsOfAPack) {
