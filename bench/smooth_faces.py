@@ -6,12 +6,13 @@
                                       [--stiffness 1e15 1e16 1e17]
     bench/smooth_faces.py tone        PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
     bench/smooth_faces.py parts       PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
+    bench/smooth_faces.py maps        PROGRAM [OUT.csv] [--seeds 8] [--duration 1]
 
-PROGRAM is ra2d. Each case runs scenes/dang2012.toml over several seeds of both surfaces and appends
-its numbers to OUT.csv (smooth_faces_CASE.csv beside this script); runs whose row is there already
-are not run again, so it can be interrupted. `--summary` runs nothing and prints the means, with 95
-% intervals over the seeds. With --jobs N, N runs at a time. convergence takes some 20 minutes on
-one core; --seeds 3 --duration 0.2 one. --chart FILE also draws
+PROGRAM is ra2d. Each case runs scenes/dang2012.toml (maps: scenes/areal.toml) over several seeds
+of both surfaces and appends its numbers to OUT.csv (smooth_faces_CASE.csv beside this script); runs
+whose row is there already are not run again, so it can be interrupted. `--summary` runs nothing and
+prints the means, with 95 % intervals over the seeds. With --jobs N, N runs at a time. convergence
+takes some 20 minutes on one core; --seeds 3 --duration 0.2 one. --chart FILE also draws
 convergence's error of the rate over the time of a run.
 
 convergence: level, rate of shocks, durations and peak forces over the spacing, and the processor
@@ -28,6 +29,8 @@ parts: which part of the tone at 8 um is which face's. Both faces are files with
   only every eighth of its nodes can touch ("nodes": the others are lowered by 0.4 um, and the
   stiffness is eight times as large). So "chords" under "nodes" is the linear scene at 8 um, and
   "spline" under "spline", the control, has no mesh of 8 um.
+maps: of an areal scene, both: convergence over the spacings along x and across, and the tone; the
+  limit is that of the finest rows. Some 20 minutes on one core.
 """
 import argparse
 import concurrent.futures
@@ -48,7 +51,8 @@ import scipy.stats
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCENE = ROOT / "scenes" / "dang2012.toml"
-SPEED = 0.1  # m/s, of that scene
+MAPS = ROOT / "scenes" / "areal.toml"
+SPEED = 0.1  # m/s, of both scenes
 TOLERANCE = 1e-6
 
 COLUMNS = {
@@ -56,19 +60,22 @@ COLUMNS = {
                     "median_duration",
                     "mean_duration", "median_peak", "contact_share", "seconds"],
     "tone": ["faces", "spacing", "seed", "duration", "frequency", "line", "around"],
+    "maps": ["faces", "spacing", "spacing_y", "seed", "duration", "level", "rate",
+             "median_duration", "mean_duration", "median_peak", "contact_share", "seconds",
+             "frequency", "line", "around"],
     "parts": ["resonator", "slider", "seed", "duration", "frequency", "line", "around"],
 }
 
 
 class Run:
-    """A run of the paper's scene with other keys; its numbers."""
+    """A run of a scene with other keys; its numbers."""
 
-    def __init__(self, options, folder, seed, scheme, **keys):
+    def __init__(self, options, folder, seed, scheme, scene=SCENE, **keys):
         self.file = pathlib.Path(folder) / "run.h5"
         settings = {"scene.duration": options.duration, **scheme, **keys}
         if "slider.surface" not in keys:
             settings |= {"resonator.surface.seed": 2 * seed, "slider.surface.seed": 2 * seed - 1}
-        words = [options.program, "run", SCENE, "--quiet", "--force", "-o", self.file]
+        words = [options.program, "run", scene, "--quiet", "--force", "-o", self.file]
         for key, value in settings.items():
             words += ["--set", f"{key}={value}"]
         with tempfile.TemporaryFile() as said:
@@ -169,6 +176,30 @@ def parts(options):
                 yield key, run
 
 
+# um: faces, spacing, spacing_y
+MAP_SPACINGS = [("linear", 32, 32), ("linear", 16, 16), ("linear", 8, 8), ("smooth", 62.5, 32),
+                ("smooth", 62.5, 16), ("smooth", 32, 16), ("smooth", 62.5, 8)]
+
+
+def maps(options):
+    frequencies = sorted({SPEED / (1e-6 * spacing) for _, spacing, _ in MAP_SPACINGS})
+    for seed in range(1, options.seeds + 1):
+        for faces, along, across in MAP_SPACINGS:
+            key = {"faces": faces, "spacing": along, "spacing_y": across, "seed": seed}
+
+            def run(folder, seed=seed, faces=faces, along=along, across=across):
+                made = Run(options, folder, seed, scheme_of(options, faces), MAPS, **{
+                    "scene.faces": faces, "scene.spacing": 1e-6 * along,
+                    "scene.spacing_y": 1e-6 * across})
+                rows = []
+                for frequency in frequencies:
+                    line, around = made.tone(frequency)
+                    rows.append(made.numbers()
+                                | {"frequency": frequency, "line": line, "around": around})
+                return rows
+            yield key, run
+
+
 def write_face(options, folder, body, face, seed):
     """The heights of a body at every 1 um, from those every 8 um."""
     coarse, fine = pathlib.Path(folder) / f"{body}-coarse.csv", pathlib.Path(folder) / f"{body}.txt"
@@ -255,6 +286,53 @@ def summarize_convergence(rows):
               f"{mean('level', digits=5)} | {mean('rate')} | {off('rate')} | "
               f"{mean('median_duration', 1e6, 3)} | {off('median_duration')} | "
               f"{mean('median_peak', 1, 3)} | {off('median_peak')} | {mean('seconds', 1, 3)} |")
+
+
+def summarize_maps(rows):
+    """Differences to the finest rows, and the rise at speed/spacing above that of faces of other
+    spacings, over pairs of the same seed."""
+    groups = {}
+    for row in rows:
+        group = row["faces"], float(row["spacing"]), float(row["spacing_y"])
+        groups.setdefault(group, {}).setdefault(row["seed"], {})[float(row["frequency"])] = row
+    limit = groups[min(groups, key=lambda g: (g[0] != "smooth", g[2]))]
+
+    def one(found, seed):
+        return next(iter(found[seed].values()))
+
+    def lines(found, seeds, frequency):
+        return [(float(found[s][frequency]["line"]), float(found[s][frequency]["around"]))
+                for s in seeds]
+    print("| faces | spacing (um) | across (um) | seeds | level (dB) | rate (1/s) | to the limit "
+          "(%) | median duration (us) | to the limit (%) | tone (dB) | s of processor |")
+    print("|" + "---|" * 11)
+    for (faces, along, across), found in sorted(groups.items(), key=lambda g: (g[0][0], -g[0][2],
+                                                                               -g[0][1])):
+        seeds = sorted(set(found) & set(limit))
+
+        def mean(name, scale=1.0, digits=4, found=found):
+            values = [scale * float(one(found, s)[name]) for s in found]
+            return f"{statistics.mean(values):.{digits}g} ± {half_width(values):.2g}"
+
+        def off(name, found=found, seeds=seeds):
+            if found is limit:
+                return ""
+            logs = [math.log(float(one(found, s)[name]) / float(one(limit, s)[name]))
+                    for s in seeds]
+            middle = statistics.mean(logs)
+            return (f"{100 * math.expm1(middle):+.1f} ± "
+                    f"{100 * math.exp(middle) * half_width(logs):.1f}")
+        frequency = SPEED / (1e-6 * along)
+        others = [g for (f, a, _), g in groups.items() if f == "smooth" and a != along]
+
+        def above(chosen, found=found, frequency=frequency, others=others):
+            return level(lines(found, chosen, frequency)) - level(
+                [line for other in others for line in lines(other, chosen, frequency)])
+        tone_above, half = jackknife(above, seeds)
+        print(f"| {faces} | {along:g} | {across:g} | {len(found)} | {mean('level', digits=5)} | "
+              f"{mean('rate')} | {off('rate')} | {mean('median_duration', 1e6, 3)} | "
+              f"{off('median_duration')} | {tone_above:+.2f} ± {half:.2f} | "
+              f"{mean('seconds', 1, 3)} |")
 
 
 FLOOR = 0.1  # %, the least difference that the chart can show
@@ -364,7 +442,7 @@ def summarize_tone(rows, names):
               + f" | {group[-1]:g} | {len(seeds)} | {value:+.2f} ± {half:.2f} | {above} |")
 
 
-CASES = {"convergence": convergence, "tone": tone, "parts": parts}
+CASES = {"convergence": convergence, "tone": tone, "parts": parts, "maps": maps}
 
 
 def main():
@@ -400,6 +478,8 @@ def main():
         summarize_convergence(found)
         if options.chart:
             draw_convergence(found, options.chart)
+    elif options.case == "maps":
+        summarize_maps(found)
     else:
         summarize_tone(found, ["faces", "spacing"] if options.case == "tone"
                        else ["resonator", "slider"])

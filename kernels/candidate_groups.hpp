@@ -366,8 +366,7 @@ class CandidateGroups {
   RA2D_FUNCTION Real sag_on_path(int group, int passed) const {
     const double* const sag2 = faces_.sag2 + passed;
     Real most = lanes_.load(sag2);
-    for (int ahead = 1; ahead <= width; ++ahead)
-      most = Kokkos::max(most, lanes_.load(sag2 + ahead));
+    for (int n = 1; n <= width; ++n) most = Kokkos::max(most, lanes_.load(sag2 + n));
     return Kokkos::max(most, Real(0.0)) +
            Kokkos::max(lanes_.load(faces_.sag1 + group * width) + most, Real(0.0));
   }

@@ -223,12 +223,13 @@ struct RowTables {
 /// The nodes of an areal scene in tiles: groups of some neighbouring rows, which make a band. They
 /// bound the overlaps of all nodes in a tile at once (kernels/candidate_groups.hpp).
 struct TileTables {
-  int groups = 1;                    // of a tile along a row
-  int count = 0;                     // of tiles along a row
-  int row = 0;                       // the same, padded
-  int bands = 0;                     //
-  int strip = 0;                     // length of a row of highest2
-  const double* highest1 = nullptr;  // (band, tile): highest of height1
+  int groups = 1;  // of a tile along a row
+  int count = 0;   // of tiles along a row
+  int row = 0;     // the same, padded
+  int bands = 0;   //
+  int strip = 0;   // length of a row of highest2
+  // (band, tile): highest of height1; smooth faces: with all that a cell may exceed its ends by
+  const double* highest1 = nullptr;
   /// (band, i, j): highest of height2 that the nodes of a tile meet whose first one stands in the
   /// resonator's group i + j groups, until they have gone `width` nodes further
   const double* highest2 = nullptr;

@@ -634,7 +634,11 @@ TEST_F(ArealProgram, PlansSmoothFacesByTheirRows) {
   EXPECT_NEAR(points["width_in_spacings"], points["width"].get<double>() / 5e-5, 1e-9);
   // the face of a row is smooth, whatever the next row's is
   for (const Json& note : plan["notes"])
-    EXPECT_THAT(note.get<std::string>(), AllOf(Not(HasSubstr("spline")), Not(HasSubstr("tone"))));
+    EXPECT_THAT(note.get<std::string>(),
+                AllOf(Not(HasSubstr("spline")), Not(HasSubstr("tone")), Not(HasSubstr("cubic"))));
+  words.insert(words.end(), {"--set", "time.tolerance=1e-13"});
+  const test::Ended strict = run(words);
+  EXPECT_THAT(strict.out, AllOf(HasSubstr("taken for a cubic"), HasSubstr("time.tolerance")));
 }
 
 TEST_F(ArealProgram, RunsAndKeepsMapsAndModes) {
