@@ -22,13 +22,18 @@ double steps_a_second(const Scene& scene, double highest, double nodes_in_contac
   const double radians = 2 * M_PI * highest;
   if (scene.faces == Faces::smooth)  // a formula of order 8
     return step_costs::smooth_steps_a_radian * radians *
+           (scene.kind == SceneKind::areal
+                ? step_costs::row_smooth_steps +
+                      step_costs::row_smooth_steps_more * nodes_in_contact
+                : 1.0) *
            std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance), 1.0 / 9);
   const double a_crossing =
       nodes_in_contact > 1 ? step_costs::steps_a_wide_crossing : step_costs::steps_a_crossing;
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;
 }
 
-/// Nodes in contact between random maps that share the load in three places; three without a load.
+/// Nodes or cells in contact between random maps that share the load in three places; three without
+/// a load.
 double touching_on_maps(const Scene& scene) {
   constexpr double contacts = 3;
   const BodySpec& slider = scene.slider;
@@ -43,8 +48,10 @@ double touching_on_maps(const Scene& scene) {
   if (!(square > 0) || !(load > 0) || scene.contact.law != ContactLaw::penalty) return contacts;
   const double width =
       width_on_springs(scene.contact.stiffness, 1 / std::sqrt(square), load / contacts);
-  const double area = scene.spacing * scene.spacing_y.value_or(scene.spacing);
-  return contacts * std::max(1.0, M_PI / 4 * width * width / area);
+  const double across = scene.spacing_y.value_or(scene.spacing);
+  if (scene.faces == Faces::smooth)  // in each row the cells at both ends, too
+    return contacts * std::max(1.0, width / across) * (1 + M_PI / 4 * width / scene.spacing);
+  return contacts * std::max(1.0, M_PI / 4 * width * width / (scene.spacing * across));
 }
 
 /// Numbers of a scene on which its cost depends.
@@ -67,7 +74,9 @@ void estimate_adaptive(const Scene& scene, const SceneCount& count, double highe
                            (count.areal ? step_costs::row_groups : 0.0);
   const double step =
       (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
-      (count.areal ? step_costs::row_step + step_costs::row_more_share * count.touching
+      (count.areal ? step_costs::row_step + (count.smooth ? step_costs::row_smooth_more_share
+                                                          : step_costs::row_more_share) *
+                                                count.touching
                    : 1 + step_costs::usual_more_share * (count.touching - 1));
   work.march =
       ns *

@@ -189,6 +189,14 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const bool smooth = model.has_smooth_faces();
   const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const auto pressed = [&](int nodes) {
+    if (model.is_areal && smooth) {
+      const double touching = usual_of(model, nodes);
+      return step_costs::smooth_steps_a_radian * fastest * std::pow(1e-6 / tolerance, 1.0 / 9) *
+             (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
+             (step_costs::row_groups +
+              step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
+              evaluation_ns);
+    }
     if (model.is_areal) {
       const double touching = usual_of(model, nodes);
       const double omega = omega_c * std::sqrt(touching);

@@ -31,6 +31,11 @@ inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_step = 0.5,
                         row_more_share = 0.05, row_groups = 5000, row_contacts = 0.7;
 // Of their fixed steps, a stage in contact; each node more, a mode.
 inline constexpr double row_stage = 270, row_more_nodes = 2.5;
+// Of areal scenes between smooth faces, from runs of scenes/areal.toml at 62.5 um along and 32 to 8
+// um across: steps over those of a plane scene, and what each cell in contact adds to them; the
+// share of a step that each such cell takes.
+inline constexpr double row_smooth_steps = 0.75, row_smooth_steps_more = 0.065,
+                        row_smooth_more_share = 0.55;
 // Between smooth faces: a step with contact, of sixteen stages.
 inline constexpr double smooth_step = 7500.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on

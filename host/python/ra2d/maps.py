@@ -23,6 +23,7 @@ MOST_POINTS = 1600    # of a map that is drawn, along each axis
 MOST_DOTS = 3000
 LONGEST_TRUE = 9      # length over width up to which a map is drawn true to scale
 PATCH = 24            # nodes on each side of a shock
+POINTS = 8            # drawn of a spacing of smooth faces
 
 
 def thinned(face: xr.DataArray, most: int = MOST_POINTS) -> xr.DataArray:
@@ -121,31 +122,60 @@ def motion(panels: Any, result: Result, time: float) -> None:
 # ---- gap
 # -------------------------------------------------------------------------------------------
 
-def _under(result: Result, along: Array, rows: slice) -> Array:
-    """Heights of the resonator's face under places of rows, straight between its nodes [m]."""
+def _is_smooth(result: Result) -> bool:
+    faces = result.scene.content()["scene"].get("faces")  # none: linear
+    return bool(faces == "smooth")
+
+
+def _along(result: Result, face: xr.DataArray, places: Array) -> Array:
+    """Heights of rows of a face at places along them [m]: straight between nodes, or their
+    splines."""
+    nodes = face.position.values
+    if not _is_smooth(result):
+        return np.array([np.interp(places, nodes, row) for row in face.values])
+    from scipy.interpolate import CubicSpline
+    return np.asarray(CubicSpline(nodes, face.values, axis=1)(places))
+
+
+def _under(result: Result, places: Array, rows: slice) -> Array:
+    """Heights of the resonator's face under places of rows [m]."""
     face = result.profile("resonator").isel(y=rows)
     spacing = float(result.scene["spacing"])
-    first = max(0, math.floor(along[0] / spacing) - 1)
-    near = face.isel(position=slice(first, math.ceil(along[-1] / spacing) + 2)).load()
-    return np.array([np.interp(along, near.position.values, row) for row in near.values])
+    reach = 30 if _is_smooth(result) else 1  # nodes beyond which a spline feels nothing
+    first = max(0, math.floor(places[0] / spacing) - reach)
+    near = face.isel(position=slice(first, math.ceil(places[-1] / spacing) + 1 + reach)).load()
+    return _along(result, near, places)
 
 
 def _distance(result: Result) -> float:
-    """Distance of the mean planes [m]: the scene's, or that at which the first nodes touch at t =
+    """Distance of the mean planes [m]: the scene's, or that at which the faces first touch at t =
     0."""
     gap = result.scene["gap"]
     if isinstance(gap, int | float):
         return float(gap)
     slider = result.profile("slider").load()
-    under = _under(result, float(result.scene["start"]) + slider.position.values, slice(None))
-    return float((slider.values + under).max())
+    start, spacing = float(result.scene["start"]), float(result.scene["spacing"])
+    nodes = slider.position.values
+    both = slider.values + _under(result, start + nodes, slice(None))
+    highest = float(both.max())
+    if not _is_smooth(result):
+        return highest
+    # between nodes they may be higher by an eighth of the curvature there
+    bend = np.abs(np.diff(both, 2, axis=1)).max(initial=0.0)
+    for row, node in np.argwhere(both >= highest - 0.25 * bend):
+        places = np.linspace(max(nodes[0], nodes[node] - spacing),
+                             min(nodes[-1], nodes[node] + spacing), 257)
+        one = slice(row, row + 1)
+        sums = _along(result, slider.isel(y=one), places) + _under(result, start + places, one)
+        highest = max(highest, float(sums.max()))
+    return highest
 
 
 def gap(result: Result, time: float, nodes: slice = slice(None),
-        rows: slice = slice(None)) -> xr.DataArray:
+        rows: slice = slice(None), points: int = 1) -> xr.DataArray:
     """The gap [m] between the faces at the sample nearest to a time [s], at nodes of the slider
-    along x and y, over their places (y, position) on the resonator. Negative where they are in
-    contact."""
+    along x and y, over their places (y, position) on the resonator; of smooth faces at so many
+    `points` a spacing along x. Negative where they are in contact."""
     modes, block = result.modes("resonator"), result.modes("slider")
     if "displacement" not in modes:
         raise RequestError(
@@ -153,26 +183,29 @@ def gap(result: Result, time: float, nodes: slice = slice(None),
             "has "
                            'output.modes = "none"')
     u = modes.displacement.sel(time=time, method="nearest").load()
-    face = result.profile("slider").isel(position=nodes, y=rows).load()
-    along = float(result.scene["start"]) + float(result.scene["speed"]) * float(
-        u.time) + face.position.values
+    face = result.profile("slider").isel(y=rows).load()
+    places = face.position.values[nodes]
+    if _is_smooth(result) and points > 1:
+        places = np.linspace(places[0], places[-1], points * (len(places) - 1) + 1)
+    along = float(result.scene["start"]) + float(result.scene["speed"]) * float(u.time) + places
     across = result.profile("resonator").y.values[rows]
     length, width = float(result.scene["resonator.length"]), float(result.scene["resonator.width"])
-    plate = np.zeros(face.shape)
+    plate = np.zeros((len(across), len(places)))
     if modes.sizes["mode"]:
         of_y = np.sin(np.pi / width * np.outer(across, modes.mode_y.values)) * u.values
         plate = 2 / math.sqrt(length * width) * of_y @ np.sin(np.pi / length
                                                               * np.outer(modes.mode_x.values,
                                                                          along))
-    rigid = np.zeros(face.shape)
+    rigid = np.zeros(plate.shape)
     if block.sizes["mode"]:  # straight lines: two places have them
         straight = block.isel(position=[0, -1], y=[0, -1]).load().sel(time=u.time)
         of_x, of_y = (np.array([np.interp(places, straight[name], shape)
                                 for shape in straight[f"shape_{axis}"].values])
-                      for axis, name, places in (("x", "position", face.position.values),
+                      for axis, name, places in (("x", "position", places),
                                                  ("y", "y", face.y.values)))
         rigid = (of_y * straight.displacement.values[:, None]).T @ of_x
-    values = _distance(result) - face.values - rigid - _under(result, along, rows) - plate
+    values = (_distance(result) - _along(result, face, places) - rigid
+              - _under(result, along, rows) - plate)
     return xr.DataArray(values, {"y": across, "position": along, "time": float(u.time)},
                         ("y", "position"), "gap",
                         {"units": "m", "long_name": "gap between the faces"})
@@ -187,7 +220,7 @@ def _time_to_show(result: Result, shock: pd.Series[float]) -> float:
 
 
 def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
-    """The gap around a shock, and the nodes in contact."""
+    """The gap around a shock, and what is in contact."""
     if "displacement" not in result.modes("resonator"):
         style.say_empty(axes, "the file has no motion of the modes (output.modes)",
                         "Gap around the shock")
@@ -198,7 +231,7 @@ def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
     nodes, rows = (slice(max(0, middle - PATCH), middle + PATCH + 1) for middle in (
         int(np.abs(face.position.values - (shock["position"] - x)).argmin()),
         int(np.abs(face.y.values - (shock["y"] - y)).argmin())))
-    found = gap(result, time, nodes, rows)
+    found = gap(result, time, nodes, rows, POINTS)
     draw(axes, found, "viridis", "gap")
     touching = int((found <= 0).sum())
     if touching:
@@ -209,6 +242,6 @@ def patch(axes: Any, result: Result, shock: pd.Series[float]) -> None:
     axes.plot(shock["position"] * 1e3, shock["y"] * 1e3, marker="+", color="white", ms=9, mew=1.6)
     axes.set_xlabel("x on the resonator [mm]")
     axes.set_title(f"Gap around the shock (+) at {quantity(float(found.time), 's', 7)}; "
-                   + (f"brown: {touching} node{'s' if touching != 1 else ''} in contact"
-                      if touching else
-                      "no node is in contact at this sample"))
+                   + ("nothing is in contact at this sample" if not touching
+                      else "brown: in contact" if _is_smooth(result)
+                      else f"brown: {touching} node{'s' if touching != 1 else ''} in contact"))

@@ -101,6 +101,23 @@ def test_the_gap_is_closed_at_the_nodes_in_contact(areal):
             float(counted.force[i]), rel=1e-5)
 
 
+def test_the_gap_of_smooth_faces_is_closed_where_their_force_acts(folder):
+    scene = ra2d.scene("areal").change({f"slider.{key}": value for key, value in BLOCK.items()},
+                                      duration=1e-3, spacing=62.5e-6, spacing_y=50e-6,
+                                      faces="smooth")
+    result = ra2d.run(scene, output=folder / "smooth.h5", show=False)
+    contact = result.contact.load()
+    counted = contact.isel(time=(contact.force > 0.01 * contact.force.max()).values)
+    for i in range(0, counted.sizes["time"], 5):
+        gap = maps.gap(result, float(counted.time[i]), points=256)
+        pressed = -50e-6 * float(gap.clip(max=0).integrate("position").sum())
+        # by trapezia, and a distance of the faces that is known to 1e-11 m
+        assert float(scene["contact.stiffness"]) * pressed == pytest.approx(
+            float(counted.force[i]), abs=2e-3 * float(contact.force.max()))
+    titles = [axes.get_title("left") for axes in result.plot("shock").axes]
+    assert any("brown: in contact" in title for title in titles), titles
+
+
 def test_motion_is_shown_at_a_time(areal):
     figure = areal.plot("motion", time=5e-4)
     assert figure.axes[0].get_title("left").startswith("Displacement of the resonator at 500")
