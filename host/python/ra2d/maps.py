@@ -161,8 +161,8 @@ def _distance(result: Result) -> float:
     if not _is_smooth(result):
         return highest
     # between nodes they may be higher by an eighth of the curvature there
-    bend = np.abs(np.diff(both, 2, axis=1)).max(initial=0.0)
-    for row, node in np.argwhere(both >= highest - 0.25 * bend):
+    rise = np.abs(np.diff(both, 2, axis=1)).max(initial=0.0)
+    for row, node in np.argwhere(both >= highest - 0.25 * rise):
         places = np.linspace(max(nodes[0], nodes[node] - spacing),
                              min(nodes[-1], nodes[node] + spacing), 257)
         one = slice(row, row + 1)
