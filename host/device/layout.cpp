@@ -116,7 +116,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   if (is_adaptive(scene)) {
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
-    n.contacts = std::min(n.nodes, capacity.nodes);
+    n.contacts = std::min(n.listed, capacity.nodes);
     n.cluster_degree = cluster_degree(model, width);
   }
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
@@ -126,10 +126,12 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     // under multipliers no more nodes than modes carry force
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     const bool multipliers = scene.contact.law == ContactLaw::multiplier;
-    if (n.smooth)  // points, of which a cell may have several
+    if (n.smooth) {  // points, of which a cell may have several, and each may have its own
       n.active = std::max(1, multipliers ? modes : lanes);
-    else
+      n.listed = std::max(n.listed, std::min(n.nodes, n.active));
+    } else {
       n.active = std::min(n.nodes, multipliers ? modes : capacity.nodes);
+    }
   }
   return n;
 }

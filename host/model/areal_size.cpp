@@ -7,6 +7,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/format.hpp"
+#include "host/body/body.hpp"
 #include "host/surface/random_map.hpp"
 
 namespace ra2d {
@@ -31,12 +32,17 @@ double areal_memory(const Scene& scene) {
   const double rows = map_rows(scene.slider.width, scene.spacing_y.value_or(scene.spacing));
   const double along = nodes_along(scene), beyond = last_node(scene) + 1;
   const double behind = std::floor(scene.start / scene.spacing);
-  double maps = along + beyond, tables = along + (beyond - behind) + along;
-  if (scene.faces == Faces::smooth) {  // curvatures, and what they let cells exceed their ends by
+  double maps = along + beyond, tables = along + (beyond - behind) + along, shapes = 0;
+  if (scene.faces == Faces::smooth) {
+    // curvatures, and what they let cells exceed their ends by; modes along a row of cells
     tables += 2 * (along + beyond - behind);
-    maps *= 2;
+    maps = 2 * maps + spline_reach;
+    constexpr int most_counted = 2000;
+    shapes =
+        4 * along * (mode_count(scene.resonator, most_counted) + rigid_mode_count(scene.slider));
   }
-  return program_memory + rows * (sizeof(double) * (maps + tables) + lists * along);
+  return program_memory + rows * (sizeof(double) * (maps + tables) + lists * along) +
+         sizeof(double) * shapes;
 }
 
 void require_areal_memory(const Scene& scene, double available) {

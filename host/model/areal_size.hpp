@@ -5,6 +5,9 @@
 /// How large an areal scene is, from its keys alone.
 namespace ra2d {
 
+/// Nodes beyond which a spline feels a height by less than roundings: (2 - sqrt 3)^28 is 1e-16.
+inline constexpr int spline_reach = 28;
+
 /// Nodes of the slider in a row of an areal scene.
 double nodes_along(const Scene& scene);
 

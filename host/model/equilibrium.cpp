@@ -475,6 +475,18 @@ double elastic_energy(const Body& body, const std::vector<double>& amplitude) {
   return sum;
 }
 
+/// The equilibrium of contact at the nodes alone, which is not far from that of smooth faces; empty
+/// where it is not found.
+std::vector<double> settled_nodes(const Model& model) {
+  std::optional<Eigen::VectorXd> u;
+  try {
+    u = model.is_areal ? find_areal_equilibrium(model).u
+                       : settled_bodies(Potential(model), model.node_stiffness, Shift::common);
+  } catch (const RequestError&) {  // of straight faces: those of this scene are not
+  }
+  return u ? std::vector<double>(u->data(), u->data() + u->size()) : std::vector<double>();
+}
+
 /// Static equilibrium, or the bodies at rest, and the contact there, between smooth faces.
 Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
   const std::size_t modes = model.resonator.modes.size() + model.slider.modes.size();
@@ -482,22 +494,17 @@ Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
   std::vector<double> u(modes, 0.0);
   const char* const not_found = "no static equilibrium was found";
   if (model.scene.initial == Initial::statics && modes > 0) {
+    std::vector<int> first;
+    if (model.is_areal) first = highest_cells(model);
     if (multipliers) {
-      std::vector<int> first;
-      if (model.is_areal) first = highest_cells(model);
       const std::optional<SmoothRest> rest = smooth_rest(model, first);
       if (!rest || !rest->feasible) throw no_equilibrium(model.scene, rest ? no_rest : not_found);
       u = rest->u;
       start.contact_force = rest->force;
       start.loaded_nodes = rest->cells;
     } else {
-      // the contact of the nodes alone is not far from it
-      const auto nodes =
-          model.is_areal ? std::optional(find_areal_equilibrium(model).u)
-                         : settled_bodies(Potential(model), model.node_stiffness, Shift::common);
-      const std::optional<std::vector<double>> settled = smooth_equilibrium(
-          model, nodes ? std::vector<double>(nodes->data(), nodes->data() + nodes->size())
-                       : std::vector<double>());
+      const std::optional<std::vector<double>> settled =
+          smooth_equilibrium(model, settled_nodes(model), first);
       if (!settled) throw no_equilibrium(model.scene, not_found);
       u = *settled;
     }

@@ -48,9 +48,6 @@ std::vector<double> surface_of(const std::string& body, const BodySpec& spec, co
   });
 }
 
-/// Nodes beyond which a spline feels a height by less than roundings: (2 - sqrt 3)^28 is 1e-16.
-constexpr std::size_t spline_reach = 28;
-
 /// The maps of an areal scene's own surfaces. On the resonator they end where the slider does, or
 /// little later.
 HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
@@ -65,11 +62,19 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   nodes.side = *scene.side;
   nodes.rows = static_cast<std::size_t>(rows);
   nodes.nx = static_cast<std::size_t>(last_node(scene)) + 1;
-  // so that a spline does not feel where the face ends
-  if (scene.faces == Faces::smooth && scene.resonator.surface.kind == SurfaceKind::gaussian)
-    nodes.nx += spline_reach;
   nodes.first = static_cast<std::size_t>(scene.start / scene.spacing);
   HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
+  if (scene.faces == Faces::smooth) {
+    const std::size_t needed = nodes.nx;
+    if (scene.resonator.surface.kind == SurfaceKind::gaussian) {
+      // so that a spline does not feel where the run ends, but for the body's own end
+      const auto whole = static_cast<std::size_t>(scene.resonator.length / scene.spacing) + 1;
+      nodes.nx = std::max(needed, std::min<std::size_t>(needed + spline_reach, whole));
+    } else {
+      maps.first = static_cast<int>(nodes.first);  // a measured map may begin there
+    }
+    maps.beyond = static_cast<int>(nodes.nx - needed);
+  }
   const auto face = [&](const char* name, const BodySpec& body) {
     return face_of(name, body, scene, doubts, [&](std::vector<std::string>* odd) {
       return map_face(body.surface, nodes, scene.file, odd);
@@ -187,6 +192,9 @@ void check_maps(const Scene& scene, const HeightMaps& maps) {
   refuse(rows < 1, "scene.spacing_y",
          fmt::format("{} m is more than twice the slider's width; the slider has no row of nodes",
                      maps.spacing_y));
+  refuse(along < 2, "scene.spacing",
+         fmt::format("{} m leaves a row of the slider {:.0f} node: expected 2 or more",
+                     scene.spacing, along));
   const auto whole = static_cast<std::size_t>(std::max(maps.rows, 1));
   refuse(static_cast<double>(maps.rows) != rows ||
              static_cast<double>(maps.slider.size()) != rows * along,
@@ -249,17 +257,28 @@ void make_ready(Model& m) {
                       over, has_equilibrium(scene) ? " or scene.initial = \"static\"" : ""));
 }
 
-/// The splines along the rows of a face (spline_curvatures).
-std::vector<double> row_curvatures(const std::vector<double>& height, int rows) {
+/// The splines along the rows of a face from node `first` on (spline_curvatures).
+std::vector<double> row_curvatures(const std::vector<double>& height, int rows, int first = 0) {
   const std::size_t length = height.size() / rows;
-  std::vector<double> curvature;
-  curvature.reserve(height.size());
+  std::vector<double> curvature(height.size(), 0.0);
   for (int row = 0; row < rows; ++row) {
-    const double* const first = height.data() + row * length;
-    const std::vector<double> of_row = spline_curvatures({first, first + length});
-    curvature.insert(curvature.end(), of_row.begin(), of_row.end());
+    const auto begin = static_cast<std::ptrdiff_t>(row * length);
+    const std::vector<double> of_row = spline_curvatures(
+        {height.begin() + begin + first, height.begin() + begin + static_cast<int>(length)});
+    std::copy(of_row.begin(), of_row.end(), curvature.begin() + begin + first);
   }
   return curvature;
+}
+
+/// Rows without so many of their last numbers.
+std::vector<double> shortened(std::vector<double> rows_of, int rows, int without) {
+  if (without == 0) return rows_of;
+  const std::size_t length = rows_of.size() / rows, kept = length - without;
+  for (int row = 1; row < rows; ++row)
+    std::copy_n(rows_of.begin() + static_cast<std::ptrdiff_t>(row * length), kept,
+                rows_of.begin() + static_cast<std::ptrdiff_t>(row * kept));
+  rows_of.resize(rows * kept);
+  return rows_of;
 }
 
 /// `doubts`: of the maps.
@@ -277,12 +296,13 @@ Model areal_model(Scene scene, HeightMaps maps, std::vector<std::string> doubts)
   m.rows = maps.rows;
   m.spacing_y = maps.spacing_y;
   m.side = maps.side;
-  m.resonator_height = std::move(maps.resonator);
-  m.slider_height = std::move(maps.slider);
   if (m.has_smooth_faces()) {
-    m.resonator_curvature = row_curvatures(m.resonator_height, m.rows);
-    m.slider_curvature = row_curvatures(m.slider_height, m.rows);
+    m.resonator_curvature =
+        shortened(row_curvatures(maps.resonator, m.rows, maps.first), m.rows, maps.beyond);
+    m.slider_curvature = row_curvatures(maps.slider, m.rows);
   }
+  m.resonator_height = shortened(std::move(maps.resonator), m.rows, maps.beyond);
+  m.slider_height = std::move(maps.slider);
   m.node_stiffness = m.scene.contact.stiffness * m.scene.spacing * m.spacing_y;
   make_ready(m);
   return m;

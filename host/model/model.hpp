@@ -56,6 +56,9 @@ struct HeightMaps {
   double spacing_y = 0;                   // m, chi_y
   double side = 0;                        // m, y0
   std::vector<double> resonator, slider;  // m, (row, node along x): under the slider's rows alone
+  // smooth faces: the resonator's node from which on its splines are laid, and how many nodes at
+  // the end of a row they alone feel
+  int first = 0, beyond = 0;
 };
 
 /// As of a plane scene, of a plate and a block with these faces; the scene's own surfaces do not

@@ -426,7 +426,8 @@ bool take_in(std::vector<int>& cells, const std::vector<int>& more) {
 }  // namespace
 
 std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
-                                                      const std::vector<double>& guess) {
+                                                      const std::vector<double>& guess,
+                                                      const std::vector<int>& first) {
   const AllCells all(model);
   const auto vector = [](const Eigen::VectorXd& u) {
     return std::vector<double>(u.data(), u.data() + u.size());
@@ -439,9 +440,10 @@ std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
   // no other overlaps.
   constexpr int rounds = 100;
   std::vector<double> u = guess;
-  std::vector<int> cells;
-  take_in(cells, all.touching(Eigen::Map<const Eigen::VectorXd>(
-                     u.data(), static_cast<Eigen::Index>(u.size()))));
+  std::vector<int> cells = first;
+  if (!u.empty())
+    take_in(cells, all.touching(Eigen::Map<const Eigen::VectorXd>(
+                       u.data(), static_cast<Eigen::Index>(u.size()))));
   for (int round = 0; round < rounds; ++round) {
     const auto settled = settled_on({model, all.some(cells)}, u);
     if (!settled) return std::nullopt;

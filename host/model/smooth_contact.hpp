@@ -24,9 +24,11 @@ SmoothContact smooth_contact(const Model& model, const std::vector<double>& u);
 /// Displacements in static equilibrium under load and contact: the minimum of the convex potential
 ///   sum_k m omega_k^2 U_k^2 / 2 - load_k U_k  +  kappa w / 2 times the integral of max(0, o)^2,
 /// by Newton's method from `guess` (none: empty) or, should that not settle, from no displacement
-/// with springs that are stiffened to their full stiffness. Nothing when neither settles.
+/// with springs that are stiffened to their full stiffness. Nothing when neither settles. `first`:
+/// of areal scenes, cells that are looked at from the beginning, by their left nodes.
 std::optional<std::vector<double>> smooth_equilibrium(const Model& model,
-                                                      const std::vector<double>& guess);
+                                                      const std::vector<double>& guess,
+                                                      const std::vector<int>& first);
 
 /// Static equilibrium under multipliers.
 struct SmoothRest {

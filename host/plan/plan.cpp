@@ -142,10 +142,10 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double evaluation_ns =
       scene.time.nodes == Nodes::all ? evaluations * node_ns_of(model) * model.nodes() : 0.0;
   const bool springs = scene.contact.law == ContactLaw::penalty;
-  const double one_ns = model.is_areal                        ? stages * step_costs::row_stage
-                        : model.has_smooth_faces()            ? (!held     ? stages * step_costs::cells
+  const double one_ns = model.has_smooth_faces()              ? (!held     ? stages * step_costs::cells
                                                                  : springs ? step_costs::new_cells
                                                                            : step_costs::cells)
+                        : model.is_areal                      ? stages * step_costs::row_stage
                         : held                                ? step_costs::held
                         : is_semi_implicit(scene.time.scheme) ? step_costs::contact
                                                               : stages * step_costs::stage;

@@ -330,7 +330,7 @@ class SmoothDrive {
     double x = 1.0;
     std::int64_t made = ticks;
     if (onset) {
-      if (cells_ + flagged_ > capacity_) return Outcome::crowded;
+      if (Kokkos::min(cells_ + flagged_, faces_.nodes) > capacity_) return Outcome::crowded;
       const double at = pace_share(step_.pace(), first) * static_cast<double>(ticks);
       made = static_cast<std::int64_t>(Kokkos::ceil(at));
       if (made < ticks)
@@ -338,6 +338,9 @@ class SmoothDrive {
       else
         made = ticks;
     }
+    // of list_grazing(): before anything is kept
+    if (Kokkos::min(flagged_ + set_.count, faces_.nodes) > overlaps_.most_listed())
+      return Outcome::crowded;
     if (!recorder_.contact_samples(step_, tick, now, made)) return Outcome::full;
     Modes end;
     if (made == ticks) {
