@@ -141,9 +141,9 @@ def _under(result: Result, places: Array, rows: slice) -> Array:
     """Heights of the resonator's face under places of rows [m]."""
     face = result.profile("resonator").isel(y=rows)
     spacing = float(result.scene["spacing"])
-    reach = 30 if _is_smooth(result) else 1  # nodes beyond which a spline feels nothing
-    first = max(0, math.floor(places[0] / spacing) - reach)
-    near = face.isel(position=slice(first, math.ceil(places[-1] / spacing) + 1 + reach)).load()
+    margin = 30 if _is_smooth(result) else 1  # nodes beyond which a spline feels nothing
+    first = max(0, math.floor(places[0] / spacing) - margin)
+    near = face.isel(position=slice(first, math.ceil(places[-1] / spacing) + 1 + margin)).load()
     return _along(result, near, places)
 
 
