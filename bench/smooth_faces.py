@@ -6,7 +6,7 @@
                                       [--stiffness 1e15 1e16 1e17]
     bench/smooth_faces.py tone        PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
     bench/smooth_faces.py parts       PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
-    bench/smooth_faces.py maps        PROGRAM [OUT.csv] [--seeds 8] [--duration 1]
+    bench/smooth_faces.py maps        PROGRAM [OUT.csv] [--seeds 10] [--duration 1]
 
 PROGRAM is ra2d. Each case runs scenes/dang2012.toml (maps: scenes/areal.toml) over several seeds
 of both surfaces and appends its numbers to OUT.csv (smooth_faces_CASE.csv beside this script); runs
@@ -30,7 +30,7 @@ parts: which part of the tone at 8 um is which face's. Both faces are files with
   stiffness is eight times as large). So "chords" under "nodes" is the linear scene at 8 um, and
   "spline" under "spline", the control, has no mesh of 8 um.
 maps: of an areal scene, both: convergence over the spacings along x and across, and the tone; the
-  limit is that of the finest rows. Some 20 minutes on one core.
+  limit is that of the finest rows. Some three minutes a seed on one core.
 """
 import argparse
 import concurrent.futures

@@ -150,7 +150,7 @@ class GroupSweep {
   /// Areal scenes: goes on to a row, where every mode has the share `across` of its displacement.
   RA2D_FUNCTION void stand_on_row(int row) {
     first_group_ = row * faces_.rows.groups;
-    beyond_ = row * faces_.rows.excess - faces_.rows.behind;
+    beyond_ = nodes_beyond(faces_, first_group_);
     patch_ = -1;
     across_ = faces_.rows.across + static_cast<std::int64_t>(row) * packs * width;
     lanes_.sync();

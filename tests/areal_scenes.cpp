@@ -187,6 +187,25 @@ Started areal_march(const ArealScene& of, double tolerance, double duration, std
   return start_of(of, s);
 }
 
+Started with_rows(Started plane, int rows) {
+  Model& m = plane.model;
+  m.is_areal = true;
+  m.rows = rows;
+  m.spacing_y = m.scene.slider.width / rows;
+  m.node_stiffness = m.scene.contact.stiffness * m.scene.spacing * m.spacing_y;
+  for (SharedNumbers* numbers :
+       {&m.resonator_height, &m.slider_height, &m.resonator_curvature, &m.slider_curvature}) {
+    const std::vector<double> row = *numbers;
+    std::vector<double>& all = numbers->edit();
+    for (int j = 1; j < rows; ++j) all.insert(all.end(), row.begin(), row.end());
+  }
+  return plane;
+}
+
+Recording simulate(const Started& started, const Launches& launches) {
+  return simulate(std::vector{started.model}, std::vector{started.start}, launches)[0];
+}
+
 ArealState state_at(const Recording& r, std::size_t sample) {
   const auto row = [&](const std::vector<double>& all, const Body& body) {
     const auto first = all.begin() + static_cast<std::ptrdiff_t>(sample * body.modes.size());

@@ -44,6 +44,12 @@ Started areal_march(const ArealScene& scene, const Scheme& scheme, double step, 
 Started areal_march(const ArealScene& scene, double tolerance, double duration,
                     std::int64_t samples = 1, Nodes nodes = Nodes::candidates);
 
+/// The areal twin of a plane scene: beams in place of plate and block, the same faces in every row.
+Started with_rows(Started plane, int rows);
+
+/// The march of one scene.
+Recording simulate(const Started& started, const Launches& launches = {});
+
 /// Displacements and rates at a sample.
 ArealState state_at(const Recording& recording, std::size_t sample);
 

@@ -189,6 +189,13 @@ std::vector<Shape> block_shapes(const BodySpec& block) {
   return {heave, pitch, roll};
 }
 
+std::vector<Shape> body_shapes(const BodySpec& spec, int count, bool is_areal, bool is_slider) {
+  if (is_areal) return is_slider ? block_shapes(spec) : plate_shapes(spec, count);
+  std::vector<Shape> shapes;
+  for (int k = 0; k < count; ++k) shapes.push_back(shape_of(spec.support, spec.length, k));
+  return shapes;
+}
+
 /// One end of a piece of contact: a root of the overlap on the piece of cell `own` of the slider
 /// and cell `other` of the resonator, or an end of the slider.
 struct End {
@@ -259,19 +266,15 @@ class Scenery {
     modes = modes2 + modes1;
     for (const Body* body : {&m.resonator, &m.slider}) {
       const BodySpec& spec = body == &m.slider ? m.scene.slider : m.scene.resonator;
+      const auto count = static_cast<int>(body->modes.size());
+      const std::vector<Shape> of_body = body_shapes(spec, count, m.is_areal, body == &m.slider);
       for (std::size_t k = 0; k < body->modes.size(); ++k) {
         const BodyMode& mode = body->modes[k];
         omega.push_back(mode.omega);
         zeta.push_back(mode.zeta);
         mass.push_back(mode.mass);
         load.push_back(k < body->load.size() ? body->load[k] : 0.0);
-        if (!m.is_areal)
-          shapes.push_back(shape_of(spec.support, spec.length, static_cast<int>(k)));
-        else if (body == &m.slider)
-          shapes.push_back(block_shapes(spec).at(k));
-        else
-          shapes.push_back(plate_shapes(spec, static_cast<int>(body->modes.size())).at(k));
-        const Shape& s = shapes.back();
+        const Shape& s = shapes.emplace_back(of_body.at(k));
         const Real edge = body == &m.slider ? 0 : static_cast<Real>(m.side);
         for (int r = 0; r < rows; ++r)
           share.push_back(m.is_areal ? s.across(edge + (r + 0.5L) * static_cast<Real>(m.spacing_y))

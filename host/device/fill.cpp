@@ -460,6 +460,7 @@ void Filler::smooth_faces(const double* h2) {
     // Both cells beside a slider node reach from the one before it to the one after. While the left
     // of these nodes stands in one spacing of the resonator, its pieces from the node before that
     // under the slider's to the second after it pass them.
+    std::fill_n(from(faces.sag1, length), length, 0.0);
     fill_sag(curvature1, n_.row_nodes, 1, 1, from(faces.sag1, length));
     fill_sag(curvature2, n_.row_heights, 1, 2, from(faces.sag2, heights));
     if (model_.is_areal) continue;

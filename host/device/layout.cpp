@@ -126,7 +126,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     // under multipliers no more nodes than modes carry force
     const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
     const bool multipliers = scene.contact.law == ContactLaw::multiplier;
-    if (n.smooth) {  // points, of which a cell may have several, and each may have its own
+    if (n.smooth) {  // points: several may be in one cell, or each in a cell of its own
       n.active = std::max(1, multipliers ? modes : lanes);
       n.listed = std::max(n.listed, std::min(n.nodes, n.active));
     } else {

@@ -338,7 +338,7 @@ class SmoothDrive {
       else
         made = ticks;
     }
-    // of list_grazing(): before anything is kept
+    // room for what list_grazing() adds, asked for before anything is kept
     if (Kokkos::min(flagged_ + set_.count, faces_.nodes) > overlaps_.most_listed())
       return Outcome::crowded;
     if (!recorder_.contact_samples(step_, tick, now, made)) return Outcome::full;

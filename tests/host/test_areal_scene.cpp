@@ -624,6 +624,32 @@ TEST_F(ArealProgram, PlansWhatItWouldModel) {
   EXPECT_GE(plan["cost"]["touching_at_start"], 3);  // a free block stands on three
 }
 
+/// A face is the scene's own, whatever part of it a run needs.
+TEST(ArealSmoothFaces, AreNotTheRuns) {
+  for (const char* rsm_y : {"1e-3", "inf"}) {
+    const std::string face =
+        fmt::format("resonator.surface={{kind=\"gaussian\",rq=2e-6,rsm=1e-3,rsm_y={},seed=5}}",
+                    rsm_y[0] == 'i' ? "\"inf\"" : rsm_y);
+    const auto model = [&](const char* faces, const char* start, const char* duration) {
+      return make_model(
+          areal({face, gaussian_block, std::string("scene.faces=") + faces,
+                 std::string("scene.start=") + start, std::string("scene.duration=") + duration}));
+    };
+    const Model linear = model("linear", "0.02", "1e-3"), smooth = model("smooth", "0.02", "1e-3"),
+                longer = model("smooth", "0.02", "2e-3");
+    EXPECT_EQ(linear.resonator_height, smooth.resonator_height) << rsm_y;
+    double largest = 0;
+    for (const double c : smooth.resonator_curvature) largest = std::max(largest, std::abs(c));
+    for (int row = 0; row < smooth.rows; ++row)
+      for (int i = 0; i < smooth.row_heights(); ++i)
+        EXPECT_NEAR(smooth.resonator_curvature[row * smooth.row_heights() + i],
+                    longer.resonator_curvature[row * longer.row_heights() + i], 1e-14 * largest);
+    // up to the plate's end
+    const Model last = model("smooth", "0.058", "1e-3");
+    for (const double c : last.resonator_curvature) EXPECT_LT(std::abs(c), 1e-5);
+  }
+}
+
 TEST_F(ArealProgram, PlansSmoothFacesByTheirRows) {
   std::vector<std::string> words = rough({"plan", "s.toml", "--json"});
   words.insert(words.end(), {"--set", "scene.faces=smooth", "--set", "scene.spacing=2e-5", "--set",

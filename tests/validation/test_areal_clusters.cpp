@@ -22,9 +22,6 @@ constexpr int samples = 5;
 // of the lanes for which degrees differ with the tolerance: those of any CPU
 constexpr int lanes_of_a_pack = 8;
 
-Recording simulate(const Started& started, const Launches& launches = {}) {
-  return simulate(std::vector{started.model}, std::vector{started.start}, launches)[0];
-}
 Started fine_march(double tolerance, Nodes nodes = Nodes::candidates) {
   return areal_march(fine_maps(), tolerance, duration, samples, nodes);
 }

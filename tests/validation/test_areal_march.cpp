@@ -25,10 +25,6 @@
 namespace ra2d::test {
 namespace {
 
-Recording simulate(const Started& started, const Launches& launches = {}) {
-  return simulate(std::vector{started.model}, std::vector{started.start}, launches)[0];
-}
-
 const Scheme& scheme_of(SchemeKind kind) {
   return *std::find_if(schemes.begin(), schemes.end(),
                        [&](const Scheme& s) { return s.time.scheme == kind; });
@@ -351,8 +347,6 @@ TEST_P(ArealMarch, MirrorImagesGiveMirrorImages) {
   EXPECT_EQ(a.shocks.size() + a.end.open_shocks.size(), b.shocks.size() + b.end.open_shocks.size());
 }
 
-/// A plane scene, and its areal twin: beams in place of plate and block, the same faces in every
-/// row.
 std::pair<Started, Started> plane_and_rows(Support support, int rows, ContactLaw law) {
   Scene s = rough_scene(support);
   s.contact.law = law;
@@ -362,18 +356,7 @@ std::pair<Started, Started> plane_and_rows(Support support, int rows, ContactLaw
   set_steps(s, 1e-8, 20'000, 4);
   Started plane{make_model(s), {}};
   plane.start = make_start(plane.model);
-  Started areal = plane;
-  Model& m = areal.model;
-  m.is_areal = true;
-  m.rows = rows;
-  m.spacing_y = s.slider.width / rows;
-  m.node_stiffness = s.contact.stiffness * s.spacing * m.spacing_y;
-  for (SharedNumbers* heights : {&m.resonator_height, &m.slider_height}) {
-    const std::vector<double> row = *heights;
-    std::vector<double>& all = heights->edit();
-    for (int j = 1; j < rows; ++j) all.insert(all.end(), row.begin(), row.end());
-  }
-  return {plane, areal};
+  return {plane, with_rows(plane, rows)};
 }
 
 TEST(ArealLimits, MapsThatAreConstantInYGiveThePlaneScene) {

@@ -93,9 +93,6 @@ INSTANTIATE_TEST_SUITE_P(Scenes, SmoothMaps,
                                          Case{"FineRows", fine_rows}),
                          [](const auto& tested) { return tested.param.name; });
 
-Recording simulate(const Started& started, const Launches& launches = {}) {
-  return simulate(std::vector{started.model}, std::vector{started.start}, launches)[0];
-}
 Scheme scheme_of(SchemeKind kind, ContactLaw law = ContactLaw::penalty) {
   return {{{kind}, law}, "of the test"};
 }
@@ -219,6 +216,25 @@ TEST(SmoothMapsInTiles, CandidatesChangeNoBit) {
   }
 }
 
+/// Rows that all begin to touch within a step: the cells evaluated and those flagged are the same.
+TEST(SmoothMapsRoom, IsEnoughForAllCells) {
+  ArealScene s = smooth_maps(Support::free, 6, 2e-4);
+  s.plate.support = Support::rigid;
+  for (HeightMap* map : {&s.plate_heights, &s.block_heights})
+    for (std::vector<double>& row : *map) std::fill(row.begin(), row.end(), 0.0);
+  for (const std::size_t outer : {0, 5})
+    std::fill(s.block_heights[outer].begin(), s.block_heights[outer].end(), 1e-9);
+  s.gap = 2e-9;
+  s.block.load = 5;
+  Launches narrow;
+  narrow.batch.capacity.nodes = 1;
+  const Started started = areal_march(s, 1e-6, duration, 10);
+  const Recording r = simulate(started);
+  ASSERT_EQ(r.end.status, Status::done);
+  EXPECT_GT(r.end.most_nodes, 100);
+  EXPECT_TRUE(same(r, simulate(started, narrow)));
+}
+
 // ---- exact limits
 
 TEST_P(SmoothMaps, MirrorImagesGiveMirrorImages) {
@@ -230,8 +246,6 @@ TEST_P(SmoothMaps, MirrorImagesGiveMirrorImages) {
   EXPECT_EQ(a.shocks.size() + a.end.open_shocks.size(), b.shocks.size() + b.end.open_shocks.size());
 }
 
-/// A plane scene, and its areal twin: beams in place of plate and block, the same faces in every
-/// row.
 std::pair<Started, Started> plane_and_rows(Support support, int rows, SchemeKind kind) {
   Scene s = rough_scene(support);
   s.faces = Faces::smooth;
@@ -242,19 +256,7 @@ std::pair<Started, Started> plane_and_rows(Support support, int rows, SchemeKind
   s.output.rate = 1 / s.duration;
   Started plane{make_model(s), {}};
   plane.start = make_start(plane.model);
-  Started areal = plane;
-  Model& m = areal.model;
-  m.is_areal = true;
-  m.rows = rows;
-  m.spacing_y = s.slider.width / rows;
-  m.node_stiffness = s.contact.stiffness * s.spacing * m.spacing_y;
-  for (SharedNumbers* numbers :
-       {&m.resonator_height, &m.slider_height, &m.resonator_curvature, &m.slider_curvature}) {
-    const std::vector<double> row = *numbers;
-    std::vector<double>& all = numbers->edit();
-    for (int j = 1; j < rows; ++j) all.insert(all.end(), row.begin(), row.end());
-  }
-  return {plane, areal};
+  return {plane, with_rows(plane, rows)};
 }
 
 TEST(SmoothMapsLimits, MapsThatAreConstantInYGiveThePlaneScene) {
