@@ -117,7 +117,9 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 ///
 /// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
 /// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
-/// move its middle by and differ by across it, bound the overlaps of all its nodes.
+/// move its middle by and differ by across it, bound the overlaps of all its nodes. And since it
+/// takes long, it is to hold for long: the near list has those of its groups that matter for a
+/// while.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -176,7 +178,8 @@ class CandidateGroups {
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_)) {
       coarse_base_ = place.base;
-      coarse_below_ = 4.0 * below;
+      coarse_below_ = (is_areal() ? 8.0 : 4.0) * below;
+      near_below_ = -1.0;
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
       if (faces_.rows.across == nullptr) [[likely]]
@@ -184,6 +187,10 @@ class CandidateGroups {
       else
         find_coarse_on_rows(u, place);
       coarse_below = below + error;
+    }
+    if (is_areal() && !(coarse_below <= near_below_)) {
+      near_below_ = coarse_below + 2.0 * below;
+      find_near();
     }
     if (!faces_.smooth) [[likely]]
       find_fine<false>(u, place, below, coarse_below, to_end, back);
@@ -206,6 +213,11 @@ class CandidateGroups {
   // of the coarse pass
   int coarse_count_ = 0, coarse_base_ = -2 * width;
   double coarse_below_ = -1.0;
+  // areal scenes: of the near list
+  int near_count_ = 0;
+  double near_below_ = -1.0;
+
+  KOKKOS_FORCEINLINE_FUNCTION bool is_areal() const { return faces_.rows.across != nullptr; }
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
@@ -223,7 +235,9 @@ class CandidateGroups {
                                              double coarse_below, double to_end, double back) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0, evaluated = 0;
-    for (int e = 0; e < coarse_count_; ++e) {
+    const int listed = is_areal() ? near_count_ : coarse_count_;
+    for (int i = 0; i < listed; ++i) {
+      const int e = is_areal() ? lists_.near[i] : i;
       if (lists_.coarse_highest[e] < -coarse_below) continue;
       ++evaluated;
       const int group = lists_.coarse_groups[e];
@@ -297,6 +311,19 @@ class CandidateGroups {
 
   // ---- areal scenes
 
+  /// The groups of the coarse list that matter until the modes have brought it `near_below_`
+  /// closer.
+  RA2D_FUNCTION void find_near() {
+    int count = 0;
+    lanes_.sync();
+    for (int e = 0; e < coarse_count_; ++e) {
+      if (lists_.coarse_highest[e] < -near_below_) continue;
+      if (lanes_.leader()) lists_.near[count] = e;
+      ++count;
+    }
+    near_count_ = count;
+    lanes_.sync();
+  }
   RA2D_FUNCTION void find_coarse_on_rows(const Real* u, const Place& place) {
     const double variation = weighted_sum<Lanes, packs>(lanes_, bounds_.tile_variation, u);
     int count = 0;

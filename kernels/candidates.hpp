@@ -36,9 +36,10 @@
 /// overlap_n on the line + rho). So they depart from the line by at most (A + f sum_k max|psi_k|
 /// n_k (1 + p_k t)) t^2/2, where n_k (acceleration_per_newton) is max|psi_k|/m_k times the step's
 /// own factor. N is the last step at which this is still within rho. Forces that are found with the
-/// end of the step (Form::implicit) have no such bound. There the march sums the forces of the
-/// steps so far. Where the list would not have covered a step, the march repeats it and searches
-/// for the nodes in contact.
+/// end of the step (Form::implicit) have no such bound, and with many modes it ends a list long
+/// before the forces do: there the march sums the forces of the steps so far (counts_forces). Where
+/// the list would not have covered a step, the march repeats it and searches for the nodes in
+/// contact.
 ///
 /// Search: where neither is safe, the march searches for the nodes in contact at every state.
 ///
@@ -73,6 +74,16 @@ KOKKOS_INLINE_FUNCTION double displacement_rounding(const Lanes& lanes, const Mo
     part = multiply_add(lanes.load(bounds.largest_shape + p * Lanes::width),
                         Kokkos::abs(u[p]) + Kokkos::abs(free[p]), part);
   return rounding(0) * lanes.sum(part);
+}
+
+/// With many modes a forecast costs as much as many steps. Then the march keeps a list for as long
+/// as it covers the steps, whatever is to be written meanwhile, and counts what the forces have
+/// done.
+template <class Lanes, int packs>
+inline constexpr bool keeps_lists = packs* Lanes::width > 64;
+template <class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION constexpr bool counts_forces(Form form) {
+  return form == Form::implicit || keeps_lists<Lanes, packs>;
 }
 
 /// Where contact can begin in the next steps: nowhere (flight), at listed nodes alone (listed), or
@@ -127,7 +138,8 @@ class Candidates {
       if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
       longest = 1;
     }
-    if (next - step < longest) longest = static_cast<int>(next - step);
+    if (!keeps_lists<Lanes, packs> && next - step < longest)
+      longest = static_cast<int>(next - step);
     const double tau = motion_.time_step;
     const Bounds b = bounds(u, v, longest);
 
@@ -171,6 +183,7 @@ class Candidates {
       if (count == 0 && steps < listed_steps)
         steps = listed_steps;  // no node to list: the same as a flight
       if (steps < 1 && evaluates_later_states()) return {ContactForecast::search, 1, 0};
+      if (keeps_lists<Lanes, packs> && next - step < steps) steps = static_cast<int>(next - step);
       return {ContactForecast::flight, steps < 1 ? 1 : steps, 0};
     }
     if (scheme_.form == Form::implicit && count > most_listed_nodes) {
@@ -179,9 +192,16 @@ class Candidates {
     }
     const ContactForecast forecast =
         forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
-    aim_at(2 * forecast.steps);
+    if (!keeps_lists<Lanes, packs> || scheme_.form == Form::implicit)
+      aim_at(2 * forecast.steps);
+    else if (2 * count > 3 * closed_ + 16)  // the longer a list, the more of its nodes stay open
+      aim_at(3 * listed_steps / 4);
+    else if (listed_steps >= aimed_steps_)
+      aim_at(5 * listed_steps / 4 + 1);
     return forecast;
   }
+  /// Takes note that the latest list ended early, after so many steps.
+  KOKKOS_FORCEINLINE_FUNCTION void take_end_of_list(int steps) { aim_at(steps); }
 
   /// Whether so many nodes could be listed. In plane scenes all can.
   KOKKOS_FORCEINLINE_FUNCTION bool has_room(int count) const { return count <= most_listed_; }
@@ -235,6 +255,7 @@ class Candidates {
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
   int last_listed_ = -1;  // smooth faces: the latest cell
+  int closed_ = 0;        // nodes in contact, where lists are kept
   // Areal scenes: steps that the next list is for. A list for more holds nodes so far from contact
   // that the bound on their forces ends it sooner.
   int aimed_steps_ = most_listed_steps;
@@ -313,6 +334,7 @@ class Candidates {
     const double tau = motion_.time_step;
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     Real soonest(static_cast<double>(longest));
+    closed_ = 0;
     for (int e = 0; e < groups_.count(); ++e) {
       const int group = groups_[e];
       auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
@@ -337,8 +359,11 @@ class Candidates {
         most = most + sag;
         overlap = overlap + sag;
       } else {
-        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0)
+        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0) {
           list_nodes(group, nodes_left(faces_, group, width), bits, count);
+          if constexpr (keeps_lists<Lanes, packs>)
+            closed_ += Kokkos::Experimental::popcount_builtin(lanes_.at_least(overlap, 0.0));
+        }
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
@@ -362,8 +387,7 @@ class Candidates {
     const double tau = motion_.time_step;
     double acceleration = b.acceleration;  // off the line
     ContactForecast forecast{ContactForecast::listed, listed_steps, count};
-    if (scheme_.form == Form::implicit) {
-      // no bound on the force: the march counts what the forces have done
+    if (counts_forces<Lanes, packs>(scheme_.form)) {
       forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
       forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
     } else {
@@ -410,9 +434,12 @@ class Candidates {
   /// Steps over which a list of nodes is to hold: no further than the window.
   KOKKOS_FORCEINLINE_FUNCTION int steps_of_list(const Place& place, int longest) const {
     const bool is_areal = faces_.rows.across != nullptr;
-    const int steps = steps_to((place.part + 1) * motion_.window_width, place,
-                               is_areal ? aimed_steps_ : most_listed_steps);
-    return longest < steps ? longest : steps;
+    int steps = steps_to((place.part + 1) * motion_.window_width, place,
+                         is_areal ? aimed_steps_ : most_listed_steps);
+    if (longest < steps) steps = longest;
+    // a kept list may serve for the last state in the window, too
+    if (keeps_lists<Lanes, packs> && !evaluates_later_states() && steps < aimed_steps_) ++steps;
+    return steps;
   }
   /// The n with linear n + half_curve n^2 = travel, or a little less.
   KOKKOS_FORCEINLINE_FUNCTION static double steps_of_travel(double linear, double half_curve,
@@ -424,8 +451,10 @@ class Candidates {
   /// `longest`; less than one when they get there within this step.
   RA2D_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (motion_.advance == 0.0) return longest;
-    // one step less than to the crossing, and less the roundings of the position
-    const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - 1.0;
+    // one step less than to the crossing (where only the beginnings of many steps are evaluated, no
+    // less), and less the roundings of the position
+    const double spare = keeps_lists<Lanes, packs> && !evaluates_later_states() ? 0.0 : 1.0;
+    const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - spare;
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 

@@ -182,7 +182,7 @@ struct Marks {
 struct Caches {
   double* node_shape = nullptr;  // (node, 4, lane); (cell, 7, lane)
   double* node_face = nullptr;   // (node, 2); (cell, 12)
-  double* columns = nullptr;  // (place, cluster_rows, lane): kernels/adaptive/contact_clusters.hpp
+  double* columns = nullptr;     // (place, cluster_rows, lane): kernels/contact/cluster_places.hpp
 };
 
 // ---- work
@@ -194,6 +194,7 @@ struct CandidateLists {
   int* coarse_groups = nullptr;          // of the coarse list, from which the other is drawn
   double* coarse_highest = nullptr;      // m, largest overlap of each on the path ahead
   double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
+  int* near = nullptr;                   // areal scenes: places in the coarse list
   int* tiles = nullptr;                  // areal scenes: of a band, that come close
   double* tile_displacement = nullptr;   // m, of each tile of a band: the most of its nodes
   int most_listed = 0;                   // nodes that there is room for in WorkSpace::listed_nodes
@@ -258,6 +259,19 @@ struct ClusterBuffers {
   double* polynomials = nullptr;  // (cluster, cluster_rows, order): P_ab
 };
 
+/// Fixed steps: squares of nodes that share their sums over the modes
+/// (kernels/contact/clustered_contact.hpp), and the groups of listed nodes in them.
+struct SquareBuffers {
+  int count = 0, groups = 0;
+  int* group = nullptr;       // (group): its number among all, ascending
+  int* listed = nullptr;      // (group): a bit for each node that is listed
+  int* of_group = nullptr;    // (group): its square
+  int* square = nullptr;      // (square): its number among all, ascending
+  int* column = nullptr;      // (square): of its place, in Caches::columns
+  double* moments = nullptr;  // (square, cluster_rows): M_ab
+  double* forces = nullptr;   // (square, cluster_rows): R_ab
+};
+
 /// A run of neighbouring cells in contact at some stage of a step between smooth faces.
 struct CellRun {
   int first, last;
@@ -309,6 +323,7 @@ struct WorkSpace {
   ActiveSet active;
   SeriesBuffers series;
   ClusterBuffers clusters;
+  SquareBuffers squares;
   StageBuffers stages;
   ContactSpans spans;
   OnsetSearch search;
@@ -460,6 +475,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("coarse_reference_u", s.candidates.coarse_reference_u, lanes);
   visit("amplitudes", s.amplitudes, 2 * lanes);
   if (n.rows > 0) {
+    visit("near_groups", s.candidates.near, groups);
     visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));
@@ -487,6 +503,15 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     }
   }
   if (n.adaptive()) visit_adaptive_arrays(s, n, visit);
+  if (!n.adaptive() && n.cluster_degree > 0) {
+    visit("square_groups", s.squares.group, listed);
+    visit("square_listed", s.squares.listed, listed);
+    visit("squares_of_groups", s.squares.of_group, listed);
+    visit("squares", s.squares.square, listed);
+    visit("square_columns", s.squares.column, listed);
+    visit("square_moments", s.squares.moments, cluster_rows * listed);
+    visit("square_forces", s.squares.forces, cluster_rows * listed);
+  }
 }
 
 template <class Visit>

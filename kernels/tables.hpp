@@ -133,10 +133,14 @@ inline constexpr int pace_numbers = stage_rows * formula_stages;
 /// Nodes of a tile along a row, but for lanes that are more, and rows of one.
 inline constexpr int tile_nodes = 32, tile_rows = 8;
 
-/// Clusters of nodes in contact (kernels/adaptive/contact_clusters.hpp): how far their nodes may
-/// stand from their place, in nodes and in rows; the most of them in a step, and the most places
-/// that are kept; rows of modes that are kept of a place, the last one the slider's own.
-inline constexpr int cluster_reach = 2, most_clusters = 48, most_places = 160;
+/// Clusters of nodes that share their sums over the modes: how far their nodes may stand from their
+/// place, in nodes and in rows; the most places that are kept; rows of modes that are kept of a
+/// place, the last one the slider's own. Under the adaptive scheme
+/// (kernels/adaptive/contact_clusters.hpp) clusters form where contact is, the most of them in a
+/// step; under fixed steps (kernels/contact/clustered_contact.hpp) they are squares of so many
+/// nodes.
+inline constexpr int cluster_reach = 2, square_reach = 4, most_clusters = 48, most_places = 160;
+inline constexpr int square_nodes = 2 * square_reach;
 inline constexpr int cluster_rows = 11, cluster_own = 10;
 
 /// Nodes of an areal scene that can be evaluated at once, whatever the memory.
@@ -182,7 +186,7 @@ struct Extents {
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
   /// Even rows, where places of clusters may be; packs of nodes in all clusters.
-  int place_rows() const { return rows / 2 + 2; }
+  int place_rows() const { return rows / 2 + 3; }
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
@@ -350,12 +354,11 @@ struct SeriesTables {
   const double* gauss = nullptr;         // points in (0, 1), then weights: two rows of gauss_row
 };
 
-/// Clusters of nodes in contact, in areal scenes under the adaptive scheme
-/// (kernels/adaptive/contact_clusters.hpp).
+/// Clusters of nodes that share their sums over the modes, in areal scenes.
 struct ClusterTables {
   int degree = 0;                     // of the polynomials; 0: there are no clusters
   const double* across = nullptr;     // (even row, 4, lane): d^b across/deta^b / b! there
-  const double* remainder = nullptr;  // what the polynomials leave out of a shape
+  const double* remainder = nullptr;  // adaptive: what the polynomials leave out of a shape
 };
 
 /// Free flight of any length, under the adaptive scheme.

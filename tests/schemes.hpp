@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -29,6 +30,10 @@ inline const std::vector<Scheme> schemes = {{{{SchemeKind::explicit_euler}}, "Ex
                                             {{{SchemeKind::rk4}}, "Rk4"},
                                             {{{SchemeKind::rk8}}, "Rk8"},
                                             {{{SchemeKind::exact}}, "Exact"}};
+inline const Scheme& scheme_of(SchemeKind kind) {
+  return *std::find_if(schemes.begin(), schemes.end(),
+                       [&](const Scheme& s) { return s.time.scheme == kind; });
+}
 /// All schemes, and backward Euler with the contact force of the new time.
 std::vector<Scheme> schemes_and_implicit();
 

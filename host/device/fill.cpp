@@ -493,17 +493,21 @@ void Filler::adaptive() {
   if (n_.smooth) fill_stages(host_(tables_.stages.paces));
 }
 
-/// Shapes across the bodies about even rows, and what polynomials leave out of shapes.
+/// Shapes across the bodies about even rows, and what polynomials leave out of shapes. After the
+/// bounds of the modes.
 void Filler::clusters() {
   if (n_.cluster_degree == 0) return;
   tables_.clusters.degree = n_.cluster_degree;
   double* const across = host_(tables_.clusters.across);
-  double* const remainder = host_(tables_.clusters.remainder);
   int lane = 0;
   for (const Body* body : {&model_.resonator, &model_.slider}) {
     const double edge = body == &model_.resonator ? model_.side : 0.0;
     for (const BodyMode& mode : body->modes) {
-      remainder[lane] = cluster_remainder(model_, mode, n_.cluster_degree);
+      const double left_out = cluster_remainder(model_, mode, n_.cluster_degree);
+      if (n_.adaptive())
+        host_(tables_.clusters.remainder)[lane] = left_out;
+      else
+        host_(tables_.bounds.cubic_remainder)[lane] += left_out;
       for (int i = 0; i < n_.place_rows(); ++i) {
         double d[4], factor = 1.0;
         mode.shape->evaluate_across(edge + model_.eta(2 * i), 4, d);

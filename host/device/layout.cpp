@@ -50,9 +50,9 @@ int first_flight_level(const Model& model) {
 double cluster_remainder(const Model& model, const BodyMode& mode, int degree) {
   const ModeShape& shape = *mode.shape;
   if (shape.wave_number() == 0.0) return 0.0;
+  const int nodes = is_adaptive(model.scene) ? cluster_reach : square_reach;
   // along and across together; the distance along grows by half a node within a window
-  const double along = (cluster_reach + 0.5) * model.scene.spacing,
-               across = cluster_reach * model.spacing_y;
+  const double along = (nodes + 0.5) * model.scene.spacing, across = nodes * model.spacing_y;
   const double change = shape.change_rate() * along + shape.across_rate() * across;
   return shape.size() * shape.growth(along) * std::pow(change, degree + 1) /
          std::tgamma(degree + 2.0);
@@ -60,12 +60,16 @@ double cluster_remainder(const Model& model, const BodyMode& mode, int degree) {
 
 int cluster_degree(const Model& model, int width) {
   const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  if (!model.is_areal || model.has_smooth_faces() || !is_adaptive(model.scene) ||
-      modes <= 3 * width)
+  const Form form = form_of(model.scene);
+  if (!model.is_areal || model.has_smooth_faces() || form == Form::implicit || modes <= 3 * width)
     return 0;
+  if (form != Form::adaptive && width > square_nodes) return 0;
   for (const BodyMode& mode : model.slider.modes)
     if (mode.shape->wave_number() > 0.0) return 0;
-  const double bearable = 0.03 * model.scene.time.tolerance.value_or(usual_tolerance);
+  // of a mode's shape; of a displacement, most of which is that of low modes, far less
+  const double bearable = form == Form::adaptive
+                              ? 0.03 * model.scene.time.tolerance.value_or(usual_tolerance)
+                              : 0x1p-28;
   for (const int degree : {2, 3})
     if (std::all_of(
             model.resonator.modes.begin(), model.resonator.modes.end(), [&](const BodyMode& mode) {
@@ -117,8 +121,8 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
     n.contacts = std::min(n.listed, capacity.nodes);
-    n.cluster_degree = cluster_degree(model, width);
   }
+  n.cluster_degree = cluster_degree(model, width);
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   n.samples = static_cast<int>(std::min<std::int64_t>(capacity.samples, model.samples));
   n.shocks = capacity.shocks + n.runs();

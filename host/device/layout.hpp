@@ -30,13 +30,14 @@ PatchSeries choose_series(const Model& model, int width);
 int first_flight_level(const Model& model);
 
 /// Bound on what polynomials of a degree about the place of a cluster
-/// (kernels/adaptive/contact_clusters.hpp) leave out of a shape, in its own unit. Nothing of a
+/// (kernels/contact/cluster_places.hpp) leave out of a shape, in its own unit. Nothing of a
 /// straight line.
 double cluster_remainder(const Model& model, const BodyMode& mode, int degree);
 
 /// The degree of these polynomials: the smaller of 2 and 3 that leaves out no more of any shape
-/// than a small part of the tolerance. 0 where a scene has no clusters of nodes: neither does, the
-/// modes are too few (in packs of `width`), or the scene is not areal and adaptive.
+/// than a small part of the tolerance, under fixed steps than 2^-28. 0 where a scene has no
+/// clusters of nodes: neither does, the modes are too few (in packs of `width`), the scene is not
+/// areal, its faces are smooth, or its forces are found with the end of a step.
 int cluster_degree(const Model& model, int width);
 
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal

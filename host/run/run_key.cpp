@@ -14,7 +14,10 @@
 namespace ra2d {
 
 int numerics_version_of(const Scene& scene) {
-  if (!is_adaptive(scene)) return numerics_version;
+  if (!is_adaptive(scene))  // areal scenes: fine nodes share their sums over the modes
+    return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
+               ? 3
+               : numerics_version;
   // smooth faces: cells that are expected to stay open are left out of a step; areal scenes: nodes
   // in contact are gathered in clusters
   return scene.faces == Faces::smooth || scene.kind == SceneKind::areal ? 3 : numerics_version;

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kernels/check.hpp"
-#include "kernels/displacement.hpp"
+#include "kernels/contact/cluster_places.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -13,20 +13,13 @@
 
 namespace ra2d {
 
-/// Terms of a polynomial of two variables.
-RA2D_FUNCTION constexpr int cluster_sums(int degree) { return (degree + 1) * (degree + 2) / 2; }
-
 /// Nodes in contact that stand close together share their sums over the modes.
 ///
 /// A contact of an areal scene has tens of nodes within a fraction of the modes' shortest wave
-/// length. About a place in their midst the shapes of the modes are polynomials of low degree in
-/// xi, the distance along x [nodes], and eta, the distance across [rows]:
-///
-///   psi_k = sum_(a+b<=degree) Phi_kab xi^a eta^b
-///
-/// The resonator's modes pass a node, xi = xi_0 + advance x; the slider's modes do not, and are
-/// straight lines: their slope along x has a term of its own, with xi_0. With the sums over the
-/// modes M_ab = sum_k Phi_kab U_k a cluster's nodes have the overlaps
+/// length. About a place in their midst the shapes of the modes are polynomials in xi and eta, with
+/// coefficients Phi_kab (kernels/contact/cluster_places.hpp). The resonator's modes pass a node, xi
+/// = xi_0 + advance x; the slope of the slider's goes with xi_0. With the sums over the modes M_ab
+/// = sum_k Phi_kab U_k a cluster's nodes have the overlaps
 ///
 ///   o_n = face_n + sum_ab P_ab xi_0^a eta^b,
 ///   P_ab = M_ab + sum_(i>=1) C(a+i, i) (advance x)^i M_(a+i)b
@@ -205,17 +198,6 @@ class ContactClusters {
   ClusterBuffers& buffers_;
   int count_ = 0;
 
-  /// Exponents of term t: 1, xi, eta, xi^2, xi eta, eta^2, xi^3, xi^2 eta, ...
-  KOKKOS_FORCEINLINE_FUNCTION static constexpr int power_across(int t) {
-    return t == 0 ? 0 : t < 3 ? t - 1 : t < 6 ? t - 3 : t < 10 ? t - 6 : 0;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION static constexpr int power_along(int t) {
-    return (t == 0 ? 0 : t < 3 ? 1 : t < 6 ? 2 : 3) - power_across(t);
-  }
-  /// The term of xi^a eta^b.
-  KOKKOS_FORCEINLINE_FUNCTION static constexpr int term_of(int a, int b) {
-    return (a + b) * (a + b + 1) / 2 + b;
-  }
   /// The packs of modes that a term has values in begin here: the slider's own come last.
   KOKKOS_FORCEINLINE_FUNCTION int first_pack(int t) const {
     return t == cluster_own ? slider_.first_lane / width : 0;
@@ -316,7 +298,9 @@ class ContactClusters {
       }
       if (at == used) {
         lanes_.sync();
-        expand_place(place, s, caches_.columns + static_cast<std::int64_t>(at) * column);
+        expand_cluster_place<Lanes, packs>(
+            lanes_, motion_, faces_, slider_, patches_, tables_, place, buffers_.node[s],
+            buffers_.row[s], caches_.columns + static_cast<std::int64_t>(at) * column);
         if (lanes_.leader()) marks_.place_id[at] = id;
         ++used;
       }
@@ -329,32 +313,6 @@ class ContactClusters {
     }
     lanes_.sync();
   }
-  RA2D_FUNCTION void expand_place(const Place& place, int s, double* to) const {
-    const int node = buffers_.node[s], at = place.base + node;
-    Real c[4][packs];
-    expand_modes<Lanes, packs>(lanes_, patches_, at / patches_.nodes,
-                               at + (place.part + 0.5) * motion_.window_width, c);
-    const double* const across =
-        tables_.across + static_cast<std::int64_t>(buffers_.row[s] / 2) * (4 * row);
-    // the slider's shapes are straight lines, and a place may lie behind their end
-    const int last = faces_.rows.nodes - 1;
-    const double per_node = last > 0 ? 1.0 / last : 0.0;
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real own(0.0);
-      for (int k = 0; k < slider_.modes; ++k) {
-        const double* const shape = slider_.shape + static_cast<std::int64_t>(k) * slider_.row;
-        const Real unit = load_pack(lanes_, slider_.unit + k * row, p);
-        const double slope = per_node * (shape[last] - shape[0]);
-        c[0][p] = multiply_add(Kokkos::fma(node, slope, shape[0]), unit, c[0][p]);
-        own = multiply_add(slope, unit, own);
-      }
-      for (int t = 0; t < cluster_sums(tables_.degree); ++t)
-        lanes_.store(to + t * row + p * width,
-                     load_pack(lanes_, across + power_across(t) * row, p) * c[power_along(t)][p]);
-      lanes_.store(to + cluster_own * row + p * width, load_pack(lanes_, across, p) * own);
-    }
-  }
-
   /// The members of each cluster in packs of their own, and their powers of xi_0 and eta.
   RA2D_FUNCTION void list_members(const Place& place) {
     lanes_.sync();

@@ -6,8 +6,8 @@
 #include "kernels/candidates.hpp"
 #include "kernels/contact/cell_complementarity.hpp"
 #include "kernels/contact/cell_springs.hpp"
+#include "kernels/contact/clustered_contact.hpp"
 #include "kernels/contact/complementarity.hpp"
-#include "kernels/contact/node_contact.hpp"
 #include "kernels/fixed/fixed_recorder.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
@@ -19,11 +19,16 @@
 
 namespace ra2d {
 
-/// A list of nodes to evaluate at each of many steps.
+/// A list of nodes to evaluate at each of many steps. `counts`: what the forces do to it
+/// (counts_forces).
+template <bool counts>
 class ListedNodes {
  public:
+  /// For no step.
+  ListedNodes() = default;
   KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const ContactForecast& plan)
       : count_{plan.count},
+        left_{plan.steps},
         free_departure_{plan.free_departure},
         departure_per_newton_{plan.departure_per_newton} {}
 
@@ -36,9 +41,11 @@ class ListedNodes {
     place.move_to(motion, step, share);
   }
   static constexpr bool may_end = true, may_lack_room = false;
-  /// Form::implicit, once a step, which ended with `force` [N] and had no more than `most` [N]
-  /// during the search for it: whether the list held at every state evaluated (ContactForecast).
+  /// Where forces are counted, once a step, which ended with `force` [N] and had no more than
+  /// `most` [N] during the search for it, or at its stages: whether the list held at every state
+  /// evaluated (ContactForecast).
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double most, double force) {
+    if constexpr (!counts) return true;
     force_sum_ += most;
     double_force_sum_ += force_sum_;
     const double n = ++steps_;
@@ -48,10 +55,29 @@ class ListedNodes {
     force_sum_ += (force - most);
     return covered;
   }
+  /// The force at the beginning of a step, whose end is evaluated in the next one.
+  KOKKOS_FORCEINLINE_FUNCTION void take(double force) {
+    if (covers(force, force)) return;
+    left_ = 1;
+    ended_early_ = true;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void take_step() { --left_; }
+  KOKKOS_FORCEINLINE_FUNCTION void end_early() {
+    left_ = 0;
+    ended_early_ = true;
+  }
+
+  /// Steps for which it may serve yet.
+  KOKKOS_FORCEINLINE_FUNCTION int left() const { return left_; }
+  KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
+  KOKKOS_FORCEINLINE_FUNCTION bool ended_early() const { return ended_early_; }
+  /// Steps that were made, where forces are counted.
+  KOKKOS_FORCEINLINE_FUNCTION int steps() const { return steps_; }
 
  private:
-  int count_, steps_ = 0;
-  double free_departure_, departure_per_newton_;
+  int count_ = 0, left_ = 0, steps_ = 0;
+  bool ended_early_ = false;
+  double free_departure_ = 0.0, departure_per_newton_ = 0.0;
   double force_sum_ = 0.0, double_force_sum_ = 0.0;  // N: of the forces, and of these sums
 };
 
@@ -63,14 +89,13 @@ class SearchedNodes {
  public:
   KOKKOS_FORCEINLINE_FUNCTION SearchedNodes(const int* listed_nodes,
                                             Candidates<Lanes, packs>& candidates,
-                                            const NodeContact<Lanes, packs>& node_contact)
-      : listed_nodes_{listed_nodes}, candidates_{candidates}, node_contact_{node_contact} {}
+                                            const ClusteredContact<Lanes, packs>& contact)
+      : listed_nodes_{listed_nodes}, candidates_{candidates}, contact_{contact} {}
 
   /// Negative where there is no room for them all.
   RA2D_FUNCTION int find(const Real* u, const Real* v, const Place& place) const {
     const int count = candidates_.find_contacts(u, v, place);
-    if (!candidates_.has_room(count) || !node_contact_.expand(place, listed_nodes_, count))
-        [[unlikely]]
+    if (!candidates_.has_room(count) || !contact_.expand(place, listed_nodes_, count)) [[unlikely]]
       return -1;
     return count;
   }
@@ -80,11 +105,12 @@ class SearchedNodes {
   }
   static constexpr bool may_end = false, may_lack_room = true;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
+  KOKKOS_FORCEINLINE_FUNCTION void take(double) const {}
 
  private:
   const int* listed_nodes_;
   Candidates<Lanes, packs>& candidates_;
-  NodeContact<Lanes, packs> node_contact_;
+  ClusteredContact<Lanes, packs> contact_;
 };
 
 /// One fixed step with contact, in each of its forms: detection, force, integration.
@@ -96,13 +122,16 @@ class ContactStep {
 
  public:
   /// `listed_nodes`: the nodes to evaluate, in WorkSpace.
-  RA2D_FUNCTION ContactStep(
-      const Lanes& lanes, const SliderMotion& motion, const ContactTables& contact,
-      const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer,
-      const ModesStep<Lanes, form, packs>& integrate, const NodeContact<Lanes, packs>& node_contact,
-      const Complementarity<Lanes, packs>& solve, const CellSprings<Lanes, packs>& springs,
-      const CellComplementarity<Lanes, packs>& clear, Status& status, LatestContact& latest,
-      const ContactList& contact_list, const int* listed_nodes)
+  RA2D_FUNCTION ContactStep(const Lanes& lanes, const SliderMotion& motion,
+                            const ContactTables& contact, const SchemeWeights& scheme,
+                            const OuterForces<Lanes, packs>& outer,
+                            const ModesStep<Lanes, form, packs>& integrate,
+                            const ClusteredContact<Lanes, packs>& node_contact,
+                            const Complementarity<Lanes, packs>& solve,
+                            const CellSprings<Lanes, packs>& springs,
+                            const CellComplementarity<Lanes, packs>& clear, Status& status,
+                            LatestContact& latest, const ContactList& contact_list,
+                            const int* listed_nodes)
       : lanes_{lanes},
         motion_{motion},
         contact_{contact},
@@ -145,7 +174,7 @@ class ContactStep {
   // copies: they hold nothing but addresses
   OuterForces<Lanes, packs> outer_;
   ModesStep<Lanes, form, packs> integrate_;
-  NodeContact<Lanes, packs> node_contact_;
+  ClusteredContact<Lanes, packs> node_contact_;
   Complementarity<Lanes, packs> solve_;
   CellSprings<Lanes, packs> springs_;
   CellComplementarity<Lanes, packs> clear_;
@@ -165,6 +194,7 @@ class ContactStep {
     if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
       return fail(Solution::crowded);
     const ContactTotals<Real> totals = node_contact_(place, y.u, listed_nodes_, count, force);
+    nodes.take(totals.force);
     recorder.take_contact(totals, place, y.step);
     y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();
@@ -180,7 +210,7 @@ class ContactStep {
     Real force[most][packs];
     unsigned acting = 0;
     ContactTotals<Real> first;
-    double work = 0.0;
+    double work = 0.0, most_force = 0.0;
     const Place start = place;
     const int stages = most == 1 ? 1 : scheme_.stages;
     for (int i = 0; i < stages; ++i) {
@@ -204,9 +234,11 @@ class ContactStep {
       const ContactTotals<Real> totals =
           node_contact_(place, at, listed_nodes_, count, force[i], i == 0);
       if (totals.nodes > 0) acting |= 1u << i;
+      if (totals.force > most_force) most_force = totals.force;
       if (i == 0) first = totals;
       lanes_.sync();
     }
+    if (!nodes.covers(most_force, most_force)) return false;
     // the record is that of the state at the step; nothing stops the step any more
     recorder.take_contact(first, start, y.step);
     if (outer_.any_move()) recorder.take_force_work(work);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/candidates.hpp"
+#include "kernels/contact/clustered_contact.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/fixed/contact_step.hpp"
 #include "kernels/fixed/fixed_recorder.hpp"
@@ -34,6 +35,8 @@ template <class Lanes, Form form, int packs>
 class FixedMarch {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
+  static constexpr bool kept = keeps_lists<Lanes, packs>;
+  static constexpr bool counted = counts_forces<Lanes, packs>(form);
 
  public:
   RA2D_FUNCTION FixedMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
@@ -45,6 +48,7 @@ class FixedMarch {
         node_contact_{lanes,         tables.motion,  tables.faces,
                       tables.slider, tables.patches, tables.contact,
                       state.marks,   state.caches,   state.work.contact_list},
+        contact_{lanes, tables, state, node_contact_},
         candidates_{lanes,
                     tables.modes,
                     tables.motion,
@@ -66,7 +70,7 @@ class FixedMarch {
                   tables.output,
                   outer_,
                   integrate_,
-                  node_contact_,
+                  contact_,
                   state.carried,
                   state.work.listed_nodes,
                   state.work.contact_list,
@@ -79,7 +83,7 @@ class FixedMarch {
             tables.scheme,
             outer_,
             integrate_,
-            node_contact_,
+            contact_,
             {lanes, tables.faces, tables.contact, tables.bounds, node_contact_,
              state.carried.latest_contact, state.marks.active_index, state.work.active,
              state.work.contact_list, state.work.listed_nodes, tables.interrupted},
@@ -108,7 +112,9 @@ class FixedMarch {
     const std::int64_t stop =
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
     while (state_.carried.status == Status::running) {
-      if (!recorder_.take_sample(now_, candidates_)) break;
+      if constexpr (kept && form != Form::implicit)
+        if (tables_.bounds.searched != Nodes::all && recorder_.samples_at(now_.step)) renew_list();
+      if (!recorder_.take_sample(now_, candidates_, list_.left() > 0 ? list_.count() : -1)) break;
       if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
         recorder_.check_energy(now_);
       if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
@@ -136,10 +142,12 @@ class FixedMarch {
   OuterForces<Lanes, packs> outer_;
   ModesStep<Lanes, form, packs> integrate_;
   NodeContact<Lanes, packs> node_contact_;
+  ClusteredContact<Lanes, packs> contact_;
   Candidates<Lanes, packs> candidates_;
   FixedRecorder<Lanes, form, packs> recorder_;
   ContactStep<Lanes, form, packs> contact_step_;
   Motion<Lanes, packs> now_;
+  ListedNodes<counted> list_;  // the latest
 
   KOKKOS_FORCEINLINE_FUNCTION bool can_record_shocks() const {
     return ra2d::can_record_shocks(state_.out.ended_shocks, state_.work.runs);
@@ -167,9 +175,9 @@ class FixedMarch {
         const Place place(tables_.motion, now_.step);
         const int count = candidates_.find_contacts(now_.u, now_.v, place);
         if (!candidates_.has_room(count) ||
-            !node_contact_.expand(place, state_.work.listed_nodes, count)) [[unlikely]]
+            !contact_.expand(place, state_.work.listed_nodes, count)) [[unlikely]]
           return lack_room();
-        node_contact_(place, now_.u, state_.work.listed_nodes, count, force);
+        contact_(place, now_.u, state_.work.listed_nodes, count, force);
       }
       integrate_.lag(now_.u, now_.v, force);
     }
@@ -198,7 +206,8 @@ class FixedMarch {
   RA2D_FUNCTION void march_with_search(int steps) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
-    SearchedNodes<Lanes, packs> nodes(state_.work.listed_nodes, candidates_, node_contact_);
+    list_ = {};
+    SearchedNodes<Lanes, packs> nodes(state_.work.listed_nodes, candidates_, contact_);
     for (int i = 0; i < steps && can_record_shocks(); ++i) {
       Place place(tables_.motion, y.step);
       if (!contact_step_(y, w, place, nodes, recorder_)) break;
@@ -210,12 +219,16 @@ class FixedMarch {
 
   RA2D_FUNCTION void march_candidates(std::int64_t next) {
     while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
+      if constexpr (kept) {
+        if (list_.left() > 0 && march_on_list(next)) continue;
+        list_ = {};  // the forecast overwrites its nodes
+      }
       const ContactForecast plan =
           candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
       if (plan.kind == ContactForecast::flight)
         fly(plan.steps);
       else if (plan.kind == ContactForecast::search ||
-               (!march_listed(plan) && state_.carried.status == Status::running)) {
+               (!march_listed(plan, next) && state_.carried.status == Status::running)) {
         const std::int64_t before = now_.step;
         march_with_search(1);
         if (now_.step == before) break;  // it failed, or was interrupted
@@ -279,28 +292,54 @@ class FixedMarch {
     }
   }
 
+  /// Lists the nodes to evaluate from here on, if there is no list: a sample has use for it, too.
+  RA2D_FUNCTION void renew_list() {
+    if (list_.left() > 0) return;
+    const ContactForecast plan = candidates_.forecast_contact(
+        now_.u, now_.v, now_.step, now_.step + longest_flight, recorder_.usual_force());
+    if (plan.kind == ContactForecast::listed && begin_list(plan)) return;
+    list_ = {};
+  }
+  /// False where there is no room for the listed nodes.
+  RA2D_FUNCTION bool begin_list(const ContactForecast& plan) {
+    if (!candidates_.has_room(plan.count) ||
+        !contact_.expand(Place(tables_.motion, now_.step), state_.work.listed_nodes, plan.count))
+        [[unlikely]]
+      return false;
+    list_ = ListedNodes<counted>(plan);
+    return true;
+  }
   /// Steps that evaluate the listed nodes. False when the list did not cover even one, or there is
   /// no room for it.
-  RA2D_FUNCTION bool march_listed(const ContactForecast& plan) {
-    const auto w = integrate_.weights();
-    Motion<Lanes, packs> y = now_;
-    Place place(tables_.motion, y.step);
-    if (!candidates_.has_room(plan.count) ||
-        !node_contact_.expand(place, state_.work.listed_nodes, plan.count)) [[unlikely]] {
+  RA2D_FUNCTION bool march_listed(const ContactForecast& plan, std::int64_t next) {
+    if (!begin_list(plan)) [[unlikely]] {
       lack_room();
       return false;
     }
-    ListedNodes nodes(plan);
-    int done = 0;
-    while (done < plan.steps && can_record_shocks()) {
+    return march_on_list(next);
+  }
+  /// On with the latest list, to step `next` at the most. False when it did not cover even one.
+  RA2D_FUNCTION bool march_on_list(std::int64_t next) {
+    const auto w = integrate_.weights();
+    Motion<Lanes, packs> y = now_;
+    Place place(tables_.motion, y.step);
+    ListedNodes<counted> nodes = list_;
+    while (nodes.left() > 0 && (!kept || y.step < next) && can_record_shocks()) {
       place.move_to(tables_.motion, y.step);
-      if (!contact_step_(y, w, place, nodes, recorder_)) break;
-      ++done;
+      if (!contact_step_(y, w, place, nodes, recorder_)) {
+        nodes.end_early();
+        break;
+      }
+      nodes.take_step();
     }
+    const std::int64_t done = y.step - now_.step;
     now_ = y;
+    if constexpr (kept) {
+      if (nodes.ended_early()) candidates_.take_end_of_list(nodes.steps());
+      list_ = nodes;
+    }
     const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // evaluated in a step
-    if (lanes_.leader())
-      state_.carried.sums.evaluated += static_cast<std::int64_t>(done) * plan.count * states;
+    if (lanes_.leader()) state_.carried.sums.evaluated += done * nodes.count() * states;
     lanes_.sync();
     return done > 0;
   }

@@ -5,7 +5,7 @@
 
 #include "kernels/candidates.hpp"
 #include "kernels/check.hpp"
-#include "kernels/contact/node_contact.hpp"
+#include "kernels/contact/clustered_contact.hpp"
 #include "kernels/fixed/modes_step.hpp"
 #include "kernels/fixed/outer_forces.hpp"
 #include "kernels/function.hpp"
@@ -44,9 +44,9 @@ class FixedRecorder {
                               const SchemeWeights& scheme, const RecordTables& output,
                               const OuterForces<Lanes, packs>& outer,
                               const ModesStep<Lanes, form, packs>& integrate,
-                              const NodeContact<Lanes, packs>& node_contact, CarriedState& carried,
-                              const int* listed_nodes, const ContactList& contact_list,
-                              RunBuffer& runs, RecordBuffers& out)
+                              const ClusteredContact<Lanes, packs>& node_contact,
+                              CarriedState& carried, const int* listed_nodes,
+                              const ContactList& contact_list, RunBuffer& runs, RecordBuffers& out)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -83,15 +83,26 @@ class FixedRecorder {
     return next > step ? next : step + 1;
   }
 
-  /// Writes what is due at this step. False when the buffer is full, or there is no room for the
-  /// nodes in contact.
-  RA2D_FUNCTION bool take_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates) {
+  /// Whether there is a sample to write at this step, and room for it.
+  RA2D_FUNCTION bool samples_at(std::int64_t step) const {
+    if (sampling_.pending) return true;
+    if (sampling_.next >= output_.samples || samples_.count == samples_.capacity) return false;
+    std::int64_t at;
+    double share;
+    sample_place(sampling_.next, at, share);
+    return at == step;
+  }
+
+  /// Writes what is due at this step. `listed`: nodes of the list that holds there; negative: there
+  /// is none. False when the buffer is full, or there is no room for the nodes in contact.
+  RA2D_FUNCTION bool take_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
+                                 int listed) {
     std::int64_t at;
     double share;
     if (sampling_.pending) {
       sample_place(sampling_.next, at, share);
       if (at + 1 != now.step) return true;
-      if (!write_sample(now, candidates, share, Part::second)) return false;
+      if (!write_sample(now, candidates, listed, share, Part::second)) return false;
       lanes_.sync();
       if (lanes_.leader()) {
         sampling_.pending = false;
@@ -104,7 +115,8 @@ class FixedRecorder {
     sample_place(sampling_.next, at, share);
     if (at != now.step) return true;
     if (samples_.count == samples_.capacity) return false;
-    if (!write_sample(now, candidates, 1.0 - share, share > 0.0 ? Part::first : Part::whole))
+    if (!write_sample(now, candidates, listed, 1.0 - share,
+                      share > 0.0 ? Part::first : Part::whole))
       return false;
     check_energy(now);
     lanes_.sync();
@@ -217,7 +229,7 @@ class FixedRecorder {
   const RecordTables& output_;
   OuterForces<Lanes, packs> outer_;
   ModesStep<Lanes, form, packs> integrate_;
-  NodeContact<Lanes, packs> node_contact_;
+  ClusteredContact<Lanes, packs> node_contact_;
   Status& status_;
   CarriedModes& modal_;
   RunningSums& sums_;
@@ -261,11 +273,11 @@ class FixedRecorder {
   /// The share `weight` of a sample that this step has in it: all of it, the first of two, which
   /// waits for the second, or the second. False where there is no room for the nodes in contact.
   RA2D_FUNCTION bool write_sample(Motion<Lanes, packs>& now, Candidates<Lanes, packs>& candidates,
-                                  double weight, Part part) {
+                                  int listed, double weight, Part part) {
     const bool add = part == Part::second;
     if (!add) close_parts(now);
     Real v[packs];
-    const SampledContact contact = contact_at(now, candidates, v);
+    const SampledContact contact = contact_at(now, candidates, listed, v);
     if (contact.nodes < 0) [[unlikely]] {
       lanes_.sync();
       if (lanes_.leader()) status_ = Status::crowded;
@@ -313,7 +325,8 @@ class FixedRecorder {
   /// The contact at the present state, and the velocity at its time: of a scheme whose velocity
   /// lags behind, the mean of this step's and the next's.
   RA2D_FUNCTION SampledContact contact_at(const Motion<Lanes, packs>& now,
-                                          Candidates<Lanes, packs>& candidates, Real* v) {
+                                          Candidates<Lanes, packs>& candidates, int listed,
+                                          Real* v) {
     for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = now.v[p];
     if constexpr (form == Form::implicit) {
       // a force over a step has no value within it: where there is one, the velocity is left as it
@@ -328,12 +341,15 @@ class FixedRecorder {
       return {0.0, 0.0, 0};
     } else {
       const Place place(motion_, now.step);
-      const int count = candidates.find_contacts(now.u, now.v, place);
       Real force[packs], moving[packs];
       outer_(now.step, force, moving);
-      if (!candidates.has_room(count) || !node_contact_.expand(place, listed_nodes_, count))
-          [[unlikely]]
-        return {0.0, 0.0, -1};
+      int count = listed;
+      if (!keeps_lists<Lanes, packs> || listed < 0) {
+        count = candidates.find_contacts(now.u, now.v, place);
+        if (!candidates.has_room(count) || !node_contact_.expand(place, listed_nodes_, count))
+            [[unlikely]]
+          return {0.0, 0.0, -1};
+      }
       const ContactTotals<Real> totals = node_contact_(place, now.u, listed_nodes_, count, force);
       double squares = 0.0;
       for (int e = 0; e < totals.nodes; ++e)

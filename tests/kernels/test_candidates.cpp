@@ -99,7 +99,7 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
       const ContactForecast plan = forecast_contact(bodies, u, v, 0.2 * a);
       if (plan.kind != ContactForecast::listed || bodies.lists(last, plan.count)) continue;
       ++covered_by_others;
-      ListedNodes listed(plan);
+      ListedNodes<true> listed(plan);
       bool covered = plan.steps >= step;
       for (int n = 1; n <= step; ++n) covered = listed.covers(f, f) && covered;
       EXPECT_FALSE(covered) << "step " << step << ", force " << share;
@@ -321,7 +321,7 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsMargin) {
     else
       not_listed = open, plan = found;
   }
-  ListedNodes nodes_listed(plan);
+  ListedNodes<true> nodes_listed(plan);
   int n = 0;
   while (nodes_listed.covers(force, force)) ++n;
   EXPECT_GT(n, 20);
@@ -338,7 +338,7 @@ TEST(CandidatesProof, AListUnderForcesYetToBeFoundCoversJustItsMargin) {
     ContactForecast forecast{ContactForecast::listed, 100, 1};
     (of_free_motion ? forecast.free_departure : forecast.departure_per_newton) =
         (1 - 1e-9) / (exactly * (exactly + 1.0)) / (of_free_motion ? 1 : 0.5 * force);
-    ListedNodes by_hand(forecast);
+    ListedNodes<true> by_hand(forecast);
     int covered = 0;
     while (by_hand.covers(of_free_motion ? 0 : force, of_free_motion ? 0 : force)) ++covered;
     EXPECT_EQ(covered, exactly);

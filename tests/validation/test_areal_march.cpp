@@ -25,11 +25,6 @@
 namespace ra2d::test {
 namespace {
 
-const Scheme& scheme_of(SchemeKind kind) {
-  return *std::find_if(schemes.begin(), schemes.end(),
-                       [&](const Scheme& s) { return s.time.scheme == kind; });
-}
-
 // ---- against the reference: nothing opens or closes
 
 struct Smooth {

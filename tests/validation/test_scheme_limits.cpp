@@ -26,11 +26,6 @@
 namespace ra2d::test {
 namespace {
 
-const Scheme& scheme_of(SchemeKind kind) {
-  return *std::find_if(schemes.begin(), schemes.end(),
-                       [&](const Scheme& s) { return s.time.scheme == kind; });
-}
-
 /// |R| of a Runge-Kutta scheme for y' = z y.
 template <class Tableau>
 double factor(std::complex<double> z) {

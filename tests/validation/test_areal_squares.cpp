@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "host/device/layout.hpp"
+#include "tests/areal_reference.hpp"
+#include "tests/areal_scenes.hpp"
+#include "tests/compare.hpp"
+#include "tests/outcomes.hpp"
+#include "tests/schemes.hpp"
+#include "tests/simulate.hpp"
+
+/// Areal scenes in fixed steps whose nodes are so fine that squares of them share their sums over
+/// the modes (kernels/contact/clustered_contact.hpp).
+namespace ra2d::test {
+namespace {
+
+constexpr double duration = 1.5e-4;
+constexpr int samples = 5;
+constexpr int modes = 70;  // of the plate: so many that lists are kept (kernels/candidates.hpp)
+constexpr int lanes_of_a_pack = 8;
+
+ArealScene scene() { return fine_maps(modes); }
+Started march(const Scheme& scheme, double step, Nodes nodes = Nodes::candidates,
+              std::int64_t kept = samples) {
+  return areal_march(scene(), scheme, step, std::lround(duration / step), kept, nodes);
+}
+const ArealReference& reference() {
+  static const ArealReference found = [] {
+    std::vector<double> times;
+    for (int i = 0; i <= samples; ++i) times.push_back(duration * i / samples);
+    return areal_reference(scene(), times);
+  }();
+  return found;
+}
+double largest_error(const Recording& r) {
+  double most = 0;
+  for (int i = 1; i <= samples; ++i)
+    most = std::max(most, state_distance(scene(), reference().states[i], state_at(r, i)));
+  return most;
+}
+
+TEST(ArealSquares, AreThereWhereNodesAreFineAndForcesExplicit) {
+  const auto degree = [](const Scheme& scheme, int lanes) {
+    return cluster_degree(march(scheme, 1e-8).model, lanes);
+  };
+  for (const SchemeKind kind : {SchemeKind::midpoint, SchemeKind::rk4, SchemeKind::explicit_euler})
+    EXPECT_GT(degree(scheme_of(kind), lanes_of_a_pack), 0);
+  EXPECT_EQ(degree(schemes_and_implicit()[7], lanes_of_a_pack), 0);
+  EXPECT_EQ(degree(scheme_of(SchemeKind::midpoint), 32), 0) << "a group is wider than a square";
+  const Model coarse = areal_march(free_block(), scheme_of(SchemeKind::midpoint), 1e-8, 10).model;
+  EXPECT_EQ(cluster_degree(coarse, lanes_of_a_pack), 0);
+}
+
+TEST(ArealSquares, MoveAsTheReference) {
+  EXPECT_GT(reference().states[samples].contacts, 12);
+  // contacts begin and end within steps, which leaves errors of second order
+  double errors[2];
+  for (const int i : {0, 1}) {
+    const Recording r = simulate(march(scheme_of(SchemeKind::rk4), i == 0 ? 2.5e-9 : 3.125e-10));
+    ASSERT_EQ(r.end.status, Status::done);
+    errors[i] = largest_error(r);
+  }
+  EXPECT_LT(errors[1], 1e-6);
+  EXPECT_GT(std::log2(errors[0] / errors[1]) / 3, 1.2) << errors[0] << " to " << errors[1];
+}
+
+TEST(ArealSquares, EnergyCloses) {
+  const Recording r = simulate(march(scheme_of(SchemeKind::rk4), 5e-9));
+  const ArealState& end = reference().states[samples];
+  const double supplied = 4 * (end.energy() + end.damping_loss);
+  // sums over the steps: off by a step's share of what a spacing, 1.5e-5 s, puts in and takes out
+  EXPECT_NEAR(r.samples.sliding_work[samples], end.sliding_work, 1e-3 * supplied);
+  EXPECT_NEAR(r.samples.damping_loss[samples], end.damping_loss, 1e-3 * supplied);
+  EXPECT_NEAR(r.samples.contact[samples], end.contact, 1e-5 * supplied);
+  EXPECT_EQ(r.samples.nodes[samples], end.contacts);
+}
+
+TEST(ArealSquares, CandidatesAndLaunchesChangeNoBit) {
+  for (const auto& [kind, step] :
+       {std::pair{SchemeKind::midpoint, 1e-8}, std::pair{SchemeKind::explicit_euler, 1e-8},
+        std::pair{SchemeKind::heun, 1e-7}, std::pair{SchemeKind::rk4, 1e-7}}) {
+    SCOPED_TRACE(scheme_of(kind).name);
+    constexpr int often = 400;  // samples, between two steps, too: most while a list is kept
+    const Started started = march(scheme_of(kind), step, Nodes::candidates, often);
+    const Recording whole = simulate(march(scheme_of(kind), step, Nodes::all, often));
+    EXPECT_EQ(whole.end.status, Status::done);
+    const Recording candidates = simulate(started);
+    EXPECT_TRUE(same(whole, candidates));
+    EXPECT_LT(candidates.end.evaluated, whole.end.evaluated);
+    EXPECT_TRUE(same(whole, simulate(started, {.steps = whole.model.steps / 37, .batch = {}})));
+    Launches narrow;  // memory grows with the contact
+    narrow.batch.capacity.nodes = 1;
+    EXPECT_TRUE(same(whole, simulate(started, narrow)));
+  }
+}
+
+TEST(ArealSquares, SavedStatesGoOnToTheSameBits) {
+  const Started started = march(scheme_of(SchemeKind::midpoint), 1e-8);
+  EXPECT_TRUE(goes_on_when_saved(started, started.model.steps / 3));
+}
+
+}  // namespace
+}  // namespace ra2d::test
