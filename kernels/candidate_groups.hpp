@@ -178,7 +178,7 @@ class CandidateGroups {
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_)) {
       coarse_base_ = place.base;
-      coarse_below_ = (is_areal() ? 8.0 : 4.0) * below;
+      coarse_below_ = (has_near_list() ? 8.0 : 4.0) * below;
       near_below_ = -1.0;
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
@@ -188,7 +188,7 @@ class CandidateGroups {
         find_coarse_on_rows(u, place);
       coarse_below = below + error;
     }
-    if (is_areal() && !(coarse_below <= near_below_)) {
+    if (has_near_list() && !(coarse_below <= near_below_)) {
       near_below_ = coarse_below + 2.0 * below;
       find_near();
     }
@@ -213,11 +213,15 @@ class CandidateGroups {
   // of the coarse pass
   int coarse_count_ = 0, coarse_base_ = -2 * width;
   double coarse_below_ = -1.0;
-  // areal scenes: of the near list
+  // of the near list
   int near_count_ = 0;
   double near_below_ = -1.0;
 
-  KOKKOS_FORCEINLINE_FUNCTION bool is_areal() const { return faces_.rows.across != nullptr; }
+  /// Areal scenes in fixed steps. Under the adaptive scheme (CandidateLists::highest) steps are so
+  /// long that it saves nothing.
+  KOKKOS_FORCEINLINE_FUNCTION bool has_near_list() const {
+    return faces_.rows.across != nullptr && lists_.highest == nullptr;
+  }
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
@@ -235,9 +239,9 @@ class CandidateGroups {
                                              double coarse_below, double to_end, double back) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0, evaluated = 0;
-    const int listed = is_areal() ? near_count_ : coarse_count_;
+    const int listed = has_near_list() ? near_count_ : coarse_count_;
     for (int i = 0; i < listed; ++i) {
-      const int e = is_areal() ? lists_.near[i] : i;
+      const int e = has_near_list() ? lists_.near[i] : i;
       if (lists_.coarse_highest[e] < -coarse_below) continue;
       ++evaluated;
       const int group = lists_.coarse_groups[e];
