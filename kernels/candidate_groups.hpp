@@ -117,9 +117,9 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 ///
 /// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
 /// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
-/// move its middle by and differ by across it, bound the overlaps of all its nodes. And since it
-/// takes long, it is to hold for long: the near list has those of its groups that matter for a
-/// while.
+/// move its middle by and differ by across it, bound the overlaps of all its nodes. In fixed
+/// steps, where lists are short, that pass is to hold for long, since it takes long: the near list
+/// has those of its groups that matter for a while.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -217,11 +217,7 @@ class CandidateGroups {
   int near_count_ = 0;
   double near_below_ = -1.0;
 
-  /// Areal scenes in fixed steps. Under the adaptive scheme (CandidateLists::highest) steps are so
-  /// long that it saves nothing.
-  KOKKOS_FORCEINLINE_FUNCTION bool has_near_list() const {
-    return faces_.rows.across != nullptr && lists_.highest == nullptr;
-  }
+  KOKKOS_FORCEINLINE_FUNCTION bool has_near_list() const { return lists_.near != nullptr; }
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;

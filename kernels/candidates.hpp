@@ -76,9 +76,9 @@ KOKKOS_INLINE_FUNCTION double displacement_rounding(const Lanes& lanes, const Mo
   return rounding(0) * lanes.sum(part);
 }
 
-/// With many modes a forecast costs as much as many steps. Then the march keeps a list for as long
-/// as it covers the steps, whatever is to be written meanwhile, and counts what the forces have
-/// done.
+/// With many modes a forecast costs as much as many steps, and squares of nodes
+/// (CandidateLists::kept) make listed nodes cheap. Then the march keeps a list for as long as it
+/// covers the steps, whatever is to be written meanwhile, and counts what the forces have done.
 template <class Lanes, int packs>
 inline constexpr bool keeps_lists = packs* Lanes::width > 64;
 template <class Lanes, int packs>
@@ -125,6 +125,7 @@ class Candidates {
         amplitudes_{amplitudes},
         listed_nodes_{listed_nodes},
         most_listed_{lists.most_listed},
+        keeps_{lists.kept},
         evaluated_{evaluated},
         groups_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
 
@@ -138,8 +139,10 @@ class Candidates {
       if (evaluates_later_states()) return {ContactForecast::search, 1, 0};
       longest = 1;
     }
-    if (!keeps_lists<Lanes, packs> && next - step < longest)
-      longest = static_cast<int>(next - step);
+    // no further than is of use: bounds of more steps are wider
+    std::int64_t horizon = next - step;
+    if (keeps() && horizon < aimed_steps_) horizon = aimed_steps_;
+    if (horizon < longest) longest = static_cast<int>(horizon);
     const double tau = motion_.time_step;
     const Bounds b = bounds(u, v, longest);
 
@@ -183,7 +186,7 @@ class Candidates {
       if (count == 0 && steps < listed_steps)
         steps = listed_steps;  // no node to list: the same as a flight
       if (steps < 1 && evaluates_later_states()) return {ContactForecast::search, 1, 0};
-      if (keeps_lists<Lanes, packs> && next - step < steps) steps = static_cast<int>(next - step);
+      if (keeps() && next - step < steps) steps = static_cast<int>(next - step);
       return {ContactForecast::flight, steps < 1 ? 1 : steps, 0};
     }
     if (scheme_.form == Form::implicit && count > most_listed_nodes) {
@@ -192,7 +195,7 @@ class Candidates {
     }
     const ContactForecast forecast =
         forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
-    if (!keeps_lists<Lanes, packs> || scheme_.form == Form::implicit)
+    if (!keeps())
       aim_at(2 * forecast.steps);
     else if (2 * count > 3 * closed_ + 16)  // the longer a list, the more of its nodes stay open
       aim_at(3 * listed_steps / 4);
@@ -252,6 +255,7 @@ class Candidates {
   double* amplitudes_;
   int* listed_nodes_;
   int most_listed_;
+  bool keeps_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
   int last_listed_ = -1;  // smooth faces: the latest cell
@@ -260,6 +264,7 @@ class Candidates {
   // that the bound on their forces ends it sooner.
   int aimed_steps_ = most_listed_steps;
 
+  KOKKOS_FORCEINLINE_FUNCTION bool keeps() const { return keeps_lists<Lanes, packs> && keeps_; }
   KOKKOS_FORCEINLINE_FUNCTION void aim_at(int steps) {
     constexpr int least = 4;
     aimed_steps_ = steps < least ? least : steps > most_listed_steps ? most_listed_steps : steps;
@@ -361,7 +366,7 @@ class Candidates {
       } else {
         if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0) {
           list_nodes(group, nodes_left(faces_, group, width), bits, count);
-          if constexpr (keeps_lists<Lanes, packs>)
+          if (keeps())
             closed_ += Kokkos::Experimental::popcount_builtin(lanes_.at_least(overlap, 0.0));
         }
       }
@@ -387,7 +392,7 @@ class Candidates {
     const double tau = motion_.time_step;
     double acceleration = b.acceleration;  // off the line
     ContactForecast forecast{ContactForecast::listed, listed_steps, count};
-    if (counts_forces<Lanes, packs>(scheme_.form)) {
+    if (scheme_.form == Form::implicit || keeps()) {
       forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
       forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
     } else {
@@ -438,7 +443,7 @@ class Candidates {
                          is_areal ? aimed_steps_ : most_listed_steps);
     if (longest < steps) steps = longest;
     // a kept list may serve for the last state in the window, too
-    if (keeps_lists<Lanes, packs> && !evaluates_later_states() && steps < aimed_steps_) ++steps;
+    if (keeps() && !evaluates_later_states() && steps < aimed_steps_) ++steps;
     return steps;
   }
   /// The n with linear n + half_curve n^2 = travel, or a little less.
@@ -453,7 +458,7 @@ class Candidates {
     if (motion_.advance == 0.0) return longest;
     // one step less than to the crossing (where only the beginnings of many steps are evaluated, no
     // less), and less the roundings of the position
-    const double spare = keeps_lists<Lanes, packs> && !evaluates_later_states() ? 0.0 : 1.0;
+    const double spare = keeps() && !evaluates_later_states() ? 0.0 : 1.0;
     const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - spare;
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }

@@ -194,9 +194,10 @@ struct CandidateLists {
   int* coarse_groups = nullptr;          // of the coarse list, from which the other is drawn
   double* coarse_highest = nullptr;      // m, largest overlap of each on the path ahead
   double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
-  int* near = nullptr;                   // areal scenes: places in the coarse list
+  int* near = nullptr;                   // areal scenes, fixed steps: places in the coarse list
   int* tiles = nullptr;                  // areal scenes: of a band, that come close
   double* tile_displacement = nullptr;   // m, of each tile of a band: the most of its nodes
+  bool kept = false;                     // whether lists of nodes are (keeps_lists)
   int most_listed = 0;                   // nodes that there is room for in WorkSpace::listed_nodes
   double* highest = nullptr;             // m, Form::adaptive in areal scenes: overlap of each group
 };
@@ -475,7 +476,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("coarse_reference_u", s.candidates.coarse_reference_u, lanes);
   visit("amplitudes", s.amplitudes, 2 * lanes);
   if (n.rows > 0) {
-    visit("near_groups", s.candidates.near, groups);
+    if (!n.adaptive()) visit("near_groups", s.candidates.near, groups);
     visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));

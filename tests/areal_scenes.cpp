@@ -226,4 +226,17 @@ ArealState state_at(const Recording& r, std::size_t sample) {
   return state;
 }
 
+ArealReference reference_at_samples(const ArealScene& scene, double duration, int samples) {
+  std::vector<double> times;
+  for (int i = 0; i <= samples; ++i) times.push_back(duration * i / samples);
+  return areal_reference(scene, times);
+}
+double largest_distance(const ArealScene& scene, const ArealReference& reference,
+                        const Recording& recording) {
+  double most = 0;
+  for (std::size_t i = 1; i < reference.states.size(); ++i)
+    most = std::max(most, state_distance(scene, reference.states[i], state_at(recording, i)));
+  return most;
+}
+
 }  // namespace ra2d::test

@@ -53,4 +53,10 @@ Recording simulate(const Started& started, const Launches& launches = {});
 /// Displacements and rates at a sample.
 ArealState state_at(const Recording& recording, std::size_t sample);
 
+/// The reference at t = 0 and so many samples of a run.
+ArealReference reference_at_samples(const ArealScene& scene, double duration, int samples);
+/// The largest state_distance between its states and those of a recording.
+double largest_distance(const ArealScene& scene, const ArealReference& reference,
+                        const Recording& recording);
+
 }  // namespace ra2d::test

@@ -30,6 +30,7 @@ inline const std::vector<Scheme> schemes = {{{{SchemeKind::explicit_euler}}, "Ex
                                             {{{SchemeKind::rk4}}, "Rk4"},
                                             {{{SchemeKind::rk8}}, "Rk8"},
                                             {{{SchemeKind::exact}}, "Exact"}};
+/// That of this kind.
 inline const Scheme& scheme_of(SchemeKind kind) {
   return *std::find_if(schemes.begin(), schemes.end(),
                        [&](const Scheme& s) { return s.time.scheme == kind; });

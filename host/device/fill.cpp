@@ -572,6 +572,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
   state.work.candidates.most_listed = n.listed;
+  state.work.candidates.kept = !n.adaptive() && n.cluster_degree > 0;
   state.work.runs.capacity = n.runs();
   state.work.runs.row = model.is_areal ? static_cast<int>(n.padded_row()) : 0;
   state.out.ended_shocks.capacity = n.shocks;

@@ -357,23 +357,7 @@ class ContactClusters {
   /// M_ab of order j.
   template <int degree>
   KOKKOS_FORCEINLINE_FUNCTION void sum_modes(int s, int j, const Real* c) const {
-    constexpr int sums = cluster_sums(degree);
-    const double* const phi = columns(s);
-    Real part[sums + 1];
-    for (int t = 0; t <= sums; ++t) part[t] = Real(0.0);
-    const int modal_packs = filled<packs>(lanes_);
-    for (int p = 0; p < modal_packs; ++p)
-      for (int t = 0; t < sums; ++t)
-        part[t] = multiply_add(load_pack(lanes_, phi + t * row, p), c[p], part[t]);
-    for (int p = first_pack(cluster_own); p < modal_packs; ++p)
-      part[sums] = multiply_add(load_pack(lanes_, phi + cluster_own * row, p), c[p], part[sums]);
-    double m[sums + 2];
-    for (int t = 0; t <= sums; t += 2)
-      lanes_.sum(part[t], t < sums ? part[t + 1] : Real(0.0), m[t], m[t + 1]);
-    if (!lanes_.leader()) return;
-    double* const to = moments(s, j);
-    for (int t = 0; t < sums; ++t) to[t] = m[t];
-    to[cluster_own] = m[sums];
+    sum_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, columns(s), c, moments(s, j));
   }
 
   /// P_ab of order j.
@@ -452,16 +436,7 @@ class ContactClusters {
         r[term_of(a, b)] = -stiffness_ * sum;
       }
     const double own = -stiffness_ * forces(s, j)[cluster_own];
-    const double* const phi = columns(s);
-    const int modal_packs = filled<packs>(lanes_);
-    for (int p = 0; p < modal_packs; ++p) {
-      Real sum = force[p];
-      for (int t = 0; t < sums; ++t)
-        sum = multiply_add(r[t], load_pack(lanes_, phi + t * row, p), sum);
-      force[p] = sum;
-    }
-    for (int p = first_pack(cluster_own); p < modal_packs; ++p)
-      force[p] = multiply_add(own, load_pack(lanes_, phi + cluster_own * row, p), force[p]);
+    add_force_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, columns(s), r, own, force);
   }
 };
 

@@ -66,4 +66,46 @@ RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& 
   }
 }
 
+/// M_ab = sum_k Phi_kab c_k to `to` (cluster_rows), `phi` as expand_cluster_place leaves it.
+template <int degree, class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION void sum_at_cluster_place(const Lanes& lanes,
+                                                      const SliderShapes& slider, const double* phi,
+                                                      const typename Lanes::Real* c, double* to) {
+  using Real = typename Lanes::Real;
+  constexpr int width = Lanes::width, row = packs * width, sums = cluster_sums(degree);
+  Real part[sums + 1];
+  for (int t = 0; t <= sums; ++t) part[t] = Real(0.0);
+  const int modal_packs = filled<packs>(lanes);
+  for (int p = 0; p < modal_packs; ++p)
+    for (int t = 0; t < sums; ++t)
+      part[t] = multiply_add(load_pack(lanes, phi + t * row, p), c[p], part[t]);
+  for (int p = slider.first_lane / width; p < modal_packs; ++p)
+    part[sums] = multiply_add(load_pack(lanes, phi + cluster_own * row, p), c[p], part[sums]);
+  double m[sums + 2];
+  for (int t = 0; t <= sums; t += 2)
+    lanes.sum(part[t], t < sums ? part[t + 1] : Real(0.0), m[t], m[t + 1]);
+  if (!lanes.leader()) return;
+  for (int t = 0; t < sums; ++t) to[t] = m[t];
+  to[cluster_own] = m[sums];
+}
+/// Adds sum_ab Phi_kab r_ab, and `own` times the slider's slopes, to the forces on the modes.
+template <int degree, class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION void add_force_at_cluster_place(const Lanes& lanes,
+                                                            const SliderShapes& slider,
+                                                            const double* phi, const double* r,
+                                                            double own,
+                                                            typename Lanes::Real* force) {
+  using Real = typename Lanes::Real;
+  constexpr int width = Lanes::width, row = packs * width;
+  const int modal_packs = filled<packs>(lanes);
+  for (int p = 0; p < modal_packs; ++p) {
+    Real sum = force[p];
+    for (int t = 0; t < cluster_sums(degree); ++t)
+      sum = multiply_add(r[t], load_pack(lanes, phi + t * row, p), sum);
+    force[p] = sum;
+  }
+  for (int p = slider.first_lane / width; p < modal_packs; ++p)
+    force[p] = multiply_add(own, load_pack(lanes, phi + cluster_own * row, p), force[p]);
+}
+
 }  // namespace ra2d

@@ -211,27 +211,10 @@ class ClusteredContact {
   /// M_ab of a square; its R_ab begin at zero.
   template <int degree>
   KOKKOS_FORCEINLINE_FUNCTION void sum_modes(int s, const double* phi, const Real* u) const {
-    constexpr int sums = cluster_sums(degree);
-    Real part[sums + 1];
-    for (int t = 0; t <= sums; ++t) part[t] = Real(0.0);
-    const int modal_packs = filled<packs>(lanes_);
-    for (int p = 0; p < modal_packs; ++p)
-      for (int t = 0; t < sums; ++t)
-        part[t] = multiply_add(load_pack(lanes_, phi + t * row, p), u[p], part[t]);
-    for (int p = slider_.first_lane / width; p < modal_packs; ++p)
-      part[sums] = multiply_add(load_pack(lanes_, phi + cluster_own * row, p), u[p], part[sums]);
-    double m[sums + 2];
-    for (int t = 0; t <= sums; t += 2)
-      lanes_.sum(part[t], t < sums ? part[t + 1] : Real(0.0), m[t], m[t + 1]);
+    sum_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, phi, u,
+                                               squares_.moments + s * cluster_rows);
     if (!lanes_.leader()) return;
-    double* const to = squares_.moments + s * cluster_rows;
-    double* const forces = squares_.forces + s * cluster_rows;
-    for (int t = 0; t < sums; ++t) {
-      to[t] = m[t];
-      forces[t] = 0.0;
-    }
-    to[cluster_own] = m[sums];
-    forces[cluster_own] = 0.0;
+    for (int t = 0; t < cluster_rows; ++t) squares_.forces[s * cluster_rows + t] = 0.0;
   }
 
   /// The overlaps of a group's nodes, and what those in contact add to totals and R_ab.
@@ -294,17 +277,11 @@ class ClusteredContact {
   template <int degree>
   KOKKOS_FORCEINLINE_FUNCTION void add_force(int s, const double* phi, Real* force) const {
     constexpr int sums = cluster_sums(degree);
-    const double* const r = squares_.forces + s * cluster_rows;
-    const int modal_packs = filled<packs>(lanes_);
-    for (int p = 0; p < modal_packs; ++p) {
-      Real sum = force[p];
-      for (int t = 0; t < sums; ++t)
-        sum = multiply_add(-r[t], load_pack(lanes_, phi + t * row, p), sum);
-      force[p] = sum;
-    }
-    for (int p = slider_.first_lane / width; p < modal_packs; ++p)
-      force[p] =
-          multiply_add(-r[cluster_own], load_pack(lanes_, phi + cluster_own * row, p), force[p]);
+    const double* const pressing = squares_.forces + s * cluster_rows;
+    double r[sums];
+    for (int t = 0; t < sums; ++t) r[t] = -pressing[t];
+    add_force_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, phi, r,
+                                                     -pressing[cluster_own], force);
   }
 };
 

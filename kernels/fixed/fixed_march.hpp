@@ -113,7 +113,9 @@ class FixedMarch {
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
     while (state_.carried.status == Status::running) {
       if constexpr (kept && form != Form::implicit)
-        if (tables_.bounds.searched != Nodes::all && recorder_.samples_at(now_.step)) renew_list();
+        if (state_.work.candidates.kept && tables_.bounds.searched != Nodes::all &&
+            recorder_.samples_at(now_.step))
+          renew_list();
       if (!recorder_.take_sample(now_, candidates_, list_.left() > 0 ? list_.count() : -1)) break;
       if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
         recorder_.check_energy(now_);
@@ -296,7 +298,7 @@ class FixedMarch {
   RA2D_FUNCTION void renew_list() {
     if (list_.left() > 0) return;
     const ContactForecast plan = candidates_.forecast_contact(
-        now_.u, now_.v, now_.step, now_.step + longest_flight, recorder_.usual_force());
+        now_.u, now_.v, now_.step, now_.step + 1, recorder_.usual_force());
     if (plan.kind == ContactForecast::listed && begin_list(plan)) return;
     list_ = {};
   }
@@ -335,7 +337,8 @@ class FixedMarch {
     const std::int64_t done = y.step - now_.step;
     now_ = y;
     if constexpr (kept) {
-      if (nodes.ended_early()) candidates_.take_end_of_list(nodes.steps());
+      if (nodes.ended_early() && state_.work.candidates.kept)
+        candidates_.take_end_of_list(nodes.steps());
       list_ = nodes;
     }
     const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // evaluated in a step

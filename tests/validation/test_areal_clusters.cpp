@@ -26,19 +26,10 @@ Started fine_march(double tolerance, Nodes nodes = Nodes::candidates) {
   return areal_march(fine_maps(), tolerance, duration, samples, nodes);
 }
 const ArealReference& reference() {
-  static const ArealReference found = [] {
-    std::vector<double> times;
-    for (int i = 0; i <= samples; ++i) times.push_back(duration * i / samples);
-    return areal_reference(fine_maps(), times);
-  }();
+  static const ArealReference found = reference_at_samples(fine_maps(), duration, samples);
   return found;
 }
-double largest_error(const Recording& r) {
-  double most = 0;
-  for (int i = 1; i <= samples; ++i)
-    most = std::max(most, state_distance(fine_maps(), reference().states[i], state_at(r, i)));
-  return most;
-}
+double largest_error(const Recording& r) { return largest_distance(fine_maps(), reference(), r); }
 
 TEST(ArealClusters, ComeWithTheTolerance) {
   const auto degree = [](double tolerance) {

@@ -31,19 +31,10 @@ Started march(const Scheme& scheme, double step, Nodes nodes = Nodes::candidates
   return areal_march(scene(), scheme, step, std::lround(duration / step), kept, nodes);
 }
 const ArealReference& reference() {
-  static const ArealReference found = [] {
-    std::vector<double> times;
-    for (int i = 0; i <= samples; ++i) times.push_back(duration * i / samples);
-    return areal_reference(scene(), times);
-  }();
+  static const ArealReference found = reference_at_samples(scene(), duration, samples);
   return found;
 }
-double largest_error(const Recording& r) {
-  double most = 0;
-  for (int i = 1; i <= samples; ++i)
-    most = std::max(most, state_distance(scene(), reference().states[i], state_at(r, i)));
-  return most;
-}
+double largest_error(const Recording& r) { return largest_distance(scene(), reference(), r); }
 
 TEST(ArealSquares, AreThereWhereNodesAreFineAndForcesExplicit) {
   const auto degree = [](const Scheme& scheme, int lanes) {
