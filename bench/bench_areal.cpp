@@ -19,7 +19,7 @@
 //   40 x 40 mm                   2.5
 //
 // and with midpoint at 1e-6 s, 20 x 20 mm: 1.5 at 32 um, 7.6 at 8 um. Since then squares of nodes
-// share their sums over the modes: on four lanes that takes 0.4 times as long at 8 um.
+// share their sums over the modes: on four lanes that takes half as long at 8 um, or less.
 //
 // Other machines take up to twice as long.
 //
