@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <map>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -16,12 +17,15 @@
 #include "kernels/adaptive/contacts.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/adaptive/slider_path.hpp"
+#include "kernels/contact/clustered_contact.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/dice.hpp"
 #include "tests/eight_modes.hpp"
 #include "tests/kernels_of.hpp"
+#include "tests/schemes.hpp"
 
-/// Sums over the modes that the nodes of a cluster share, against those of each node by itself.
+/// Sums over the modes that the nodes of a cluster or of a square share, against those of each node
+/// by itself.
 namespace {
 
 using namespace ra2d;
@@ -46,7 +50,9 @@ struct Scene {
   Packs u, v;
 
   explicit Scene(double tolerance, int rows = 24, int nodes = 40)
-      : model{test::areal_march(of(rows, nodes), tolerance, 1e-4).model},
+      : Scene(test::areal_march(of(rows, nodes), tolerance, 1e-4).model) {}
+  explicit Scene(Model marched)
+      : model{std::move(marched)},
         series{choose_series(model, width)},
         n{extents_of(model, series, P * width, width, {.nodes = 4096})} {
     const auto provide = [&](const char*, auto*& array, std::size_t count) {
@@ -99,7 +105,7 @@ struct Scene {
   }
 };
 
-/// The nodes of some rectangles of the block's face.
+/// The nodes of some rectangles of the block's face, in ascending order.
 std::vector<int> patches_of(const Scene& m, Dice& dice, int rows, int nodes) {
   std::vector<int> list;
   for (int i = 0; i < 3; ++i) {
@@ -213,6 +219,72 @@ TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
         }
     }
   EXPECT_GT(nearest, 0.45);
+}
+
+/// Forces of fixed steps at nodes and on modes.
+struct Pressed {
+  std::map<int, double> forces;  // of the nodes in contact
+  double sum;
+  std::array<double, P * width> modal{};
+
+  template <class Contact>
+  Pressed(const Scene& m, const Contact& contact, const Place& place,
+          const std::vector<int>& list) {
+    const int count = static_cast<int>(list.size());
+    EXPECT_TRUE(contact.expand(place, list.data(), count));
+    Packs force;
+    force.fill(HostLanes::Real(0.0));
+    const auto totals = contact(place, m.u.data(), list.data(), count, force.data());
+    sum = totals.force;
+    for (int i = 0; i < totals.nodes; ++i)
+      forces[m.s.work.contact_list.nodes[i]] = m.s.work.contact_list.forces[i];
+    for (int p = 0; p < P; ++p) lanes.store(modal.data() + p * width, force[p]);
+  }
+  double of(int node) const { return forces.contains(node) ? forces.at(node) : 0.0; }
+};
+
+/// In squares a mode's shape is off by what polynomials leave out, and nothing else.
+TEST(ContactSquares, PressAsSingleNodesDo) {
+  if (width > square_nodes) GTEST_SKIP() << "a group is wider than a square";
+  Dice dice(6);
+  Scene m(test::areal_march(Scene::of(24, 40), test::scheme_of(SchemeKind::midpoint), 1e-8, 10'000)
+              .model);
+  ASSERT_GT(m.t.clusters.degree, 0);
+  int pressed = 0;
+  double nearest = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const int degree = m.t.clusters.degree = trial < 30 ? 2 : 3;
+    if (trial == 30) m.s.marks.places_used = 0;  // those of the other degree
+    const std::vector<int> list = patches_of(m, dice, 24, 40);
+    m.draw_motion(dice);
+    const Place place(m.t.motion, dice.pick(10'000));
+    const Pressed single(m, test::node_contact_of<P>(m.t, m.s), place, list);
+    const ClusteredContact<HostLanes, P> clustered(lanes, m.t, m.s,
+                                                   test::node_contact_of<P>(m.t, m.s));
+    const Pressed squares(m, clustered, place, list);
+
+    // of each shape; single nodes' cubics over a window, far shorter than a square, leave out less
+    std::array<double, P * width> left_out{};
+    for (std::size_t k = 0; k < m.model.resonator.modes.size(); ++k)
+      left_out[k] = 2 * cluster_remainder(m.model, m.model.resonator.modes[k], degree);
+    const double off = m.of_lanes(left_out.data(), m.u),
+                 rounding = 64 * eps * (m.of_lanes(m.t.bounds.largest_shape, m.u) + 1e-6);
+    const double of_force = m.t.contact.node_stiffness * (off + rounding);
+    double largest = 0;
+    for (const int node : list)
+      largest = std::max(largest, std::abs(squares.of(node) - single.of(node)));
+    EXPECT_LE(largest, of_force);
+    nearest = std::max(nearest, largest / of_force);
+    const auto nodes = static_cast<double>(std::max(single.forces.size(), squares.forces.size()));
+    EXPECT_NEAR(squares.sum, single.sum, nodes * of_force);
+    for (int k = 0; k < clustered_modes; ++k)
+      EXPECT_NEAR(squares.modal[k], single.modal[k],
+                  nodes * of_force * m.t.bounds.largest_shape[k] +
+                      single.sum * (left_out[k] + 64 * eps * m.t.bounds.largest_shape[k]));
+    pressed += single.forces.size() > 10 ? 1 : 0;
+  }
+  EXPECT_GT(pressed, 15);
+  EXPECT_GT(nearest, 0.01);
 }
 
 /// The polynomials of a cluster hold for the free nodes about it, too.
