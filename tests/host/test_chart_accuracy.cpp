@@ -329,17 +329,19 @@ TEST(Peers, ThatFallSilentKeepTheBudget) {
                  ") -gt 2 ] && exec sleep 1000\ncat << EOF\n" + answer + "\nEOF\n");
   Scene peaks = read_scene(scene_file("peaks"),
                            {"scene.start=0.10485", "scene.duration=5e-4", "scene.spacing=1e-4"});
-  const auto runs = [&] {
-    const std::string lines = read_file(count);
-    return std::count(lines.begin(), lines.end(), '\n');
-  };
-  // on a slow machine a small budget is used up before a peer falls silent
-  for (double budget = 3; runs() < 3 && budget < 100; budget *= 2) {
+  // On a slow machine a small budget is used up before a peer falls silent, or by the chart's own
+  // marches: then a larger one has to do.
+  bool fell_silent = false, kept = false;
+  for (double budget = 3; !(fell_silent && kept) && budget < 100; budget *= 2) {
+    fs::remove(count);
     const AccuracyChart chart =
         measure_accuracy(peaks, {.budget = budget, .repetitions = 2, .peers = peer});
-    EXPECT_LT(chart.seconds, 300);  // not the 1000 s of silence
+    const std::string runs = read_file(count);
+    fell_silent = std::count(runs.begin(), runs.end(), '\n') > 2;
+    kept = chart.seconds < 1.5 * budget;
   }
-  EXPECT_GE(runs(), 3);
+  EXPECT_TRUE(fell_silent);
+  EXPECT_TRUE(kept);
 }
 
 TEST(Peers, NeedNoTemporaryFolder) {
