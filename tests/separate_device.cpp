@@ -85,7 +85,7 @@ char* SeparateDevice::allocate(std::size_t bytes) {
   blocks_[static_cast<char*>(block)] = bytes;
   return static_cast<char*>(block);
 }
-void SeparateDevice::release(char* block) noexcept {
+void SeparateDevice::release(char* block, std::size_t) noexcept {
   const std::lock_guard lock(mutex_);
   const auto found = blocks_.find(block);
   left_ += found->second;
@@ -99,7 +99,7 @@ char* SeparateDevice::allocate_on_host(std::size_t bytes) {
   std::memset(block, anything, bytes);
   return static_cast<char*>(block);
 }
-void SeparateDevice::release_on_host(char* block) noexcept { std::free(block); }
+void SeparateDevice::release_on_host(char* block, std::size_t) noexcept { std::free(block); }
 
 std::unique_ptr<DeviceQueue> SeparateDevice::make_queue() {
   return std::make_unique<SeparateQueue>(*this, marches_);

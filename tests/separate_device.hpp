@@ -26,9 +26,9 @@ class SeparateDevice : public Device {
   ~SeparateDevice() override;
 
   char* allocate(std::size_t bytes) override;
-  void release(char* block) noexcept override;
+  void release(char* block, std::size_t bytes) noexcept override;
   char* allocate_on_host(std::size_t bytes) override;
-  void release_on_host(char* block) noexcept override;
+  void release_on_host(char* block, std::size_t bytes) noexcept override;
   std::unique_ptr<DeviceQueue> make_queue() override;
   int scenes_at_once() const override { return 8; }
   std::string name() const override { return "a device of the tests"; }

@@ -22,6 +22,7 @@ constexpr int interrupts[] = {SIGINT,    SIGQUIT, SIGTERM, SIGHUP,  SIGALRM,
 bool on_terminal = false;
 bool is_silent = false;                     // of several ranks the first says it for all
 volatile std::sig_atomic_t keeps_none = 0;  // the command is one that keeps no checkpoints
+volatile std::sig_atomic_t came_early = 0;  // SIGUSR1, before it was known which command this is
 
 #ifdef __linux__
 /// SIGUSR1 requests a checkpoint. It must not end a run that does not catch it yet, so it is
@@ -44,7 +45,10 @@ void write_to_terminal(std::string_view text) {
 void on_signal(int signal) {
   const int before = interruption();
   if (signal == SIGUSR1 && keeps_checkpoints()) return request_checkpoint();
-  if (signal == SIGUSR1 && keeps_none == 0) return;
+  if (signal == SIGUSR1 && keeps_none == 0) {
+    came_early = 1;
+    return;
+  }
   if (before == 0 && ends_orderly()) return interrupt(signal);
   // a terminal that closes says so twice, by the system and by the shell
   if (before == SIGHUP && signal == SIGHUP) return;
@@ -82,6 +86,9 @@ void catch_interrupts() {
   sigprocmask(SIG_UNBLOCK, &held, nullptr);
 }
 
-void end_at_checkpoint_signal() { keeps_none = 1; }
+void end_at_checkpoint_signal() {
+  keeps_none = 1;
+  if (came_early != 0) std::raise(SIGUSR1);
+}
 
 }  // namespace ra2d

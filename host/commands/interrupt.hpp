@@ -12,8 +12,8 @@ namespace ra2d {
 /// (SIGPIPE).
 void catch_interrupts();
 
-/// Has SIGUSR1 end the process like the others: of a command that keeps no checkpoints. Until then,
-/// and before there is one to keep, it is ignored.
+/// Has SIGUSR1 end the process like the others, also one that came before: of a command that keeps
+/// no checkpoints. Of others it is ignored as long as there is none to keep.
 void end_at_checkpoint_signal();
 
 }  // namespace ra2d

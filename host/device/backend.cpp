@@ -12,8 +12,9 @@
 #endif
 
 #include "host/base/errors.hpp"
-#include "host/device/cuda_device.hpp"
+#include "host/device/card.hpp"
 #include "host/device/device.hpp"
+#include "host/device/kokkos_device.hpp"
 #include "host/device/launch.hpp"
 #include "host/system/host_threads.hpp"
 #include "kernels/lanes.hpp"
@@ -24,10 +25,7 @@ namespace {
 
 Device* where = nullptr;
 int threads_of_all = 1;  // whatever the share of the one that asks
-
-#if defined(KOKKOS_ENABLE_CUDA)
 std::unique_ptr<Device> gpu;
-#endif
 
 }  // namespace
 
@@ -38,7 +36,7 @@ std::string backend_device() { return where != nullptr ? where->name() : std::st
 std::size_t backend_memory() { return where != nullptr ? where->free_memory() / 10 * 9 : 0; }
 
 Backend::Backend(int threads, int device) {
-  require_gpu(device);
+  card::require(device);
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread
   if (threads > 0) settings.set_num_threads(threads);
@@ -49,22 +47,16 @@ Backend::Backend(int threads, int device) {
   if (threads > 0) omp_set_num_threads(threads);
 #endif
   Kokkos::initialize(settings);
-#if defined(KOKKOS_ENABLE_CUDA)
-  limit_host_threads(threads);
-  gpu = make_cuda_device();
+  limit_host_threads(marches_on_gpu ? threads : Space().concurrency());
+  if (marches_on_gpu) gpu = make_kokkos_device();
   where = gpu.get();
-#else
-  limit_host_threads(Space().concurrency());
-#endif
   threads_of_all = host_threads();
 }
 Backend::~Backend() {
   limit_host_threads(0);
-#if defined(KOKKOS_ENABLE_CUDA)
   where = nullptr;
   gpu.reset();
-  if (!cuda_device_works()) return;  // Kokkos would end the program, before its fault was told
-#endif
+  if (!card::fault().empty()) return;  // Kokkos would end the program, before its fault was told
   Kokkos::finalize();
 }
 
@@ -72,34 +64,11 @@ std::string backend_name() { return Space::name(); }
 int backend_threads() { return threads_of_all; }
 int scenes_at_once() { return where != nullptr ? where->scenes_at_once() : backend_threads(); }
 
-#if defined(KOKKOS_ENABLE_OPENMP)
-void side_by_side(int count, const std::function<void(int)>& work) {
-  if (count == 1) return work(0);
-  const int all = host_threads();
-  std::exception_ptr fault;
-  std::mutex one_fault;
-  using HostSpace = Kokkos::DefaultHostExecutionSpace;
-  Kokkos::parallel_for("ra2d::side_by_side",
-                       Kokkos::RangePolicy<HostSpace, Kokkos::Schedule<Kokkos::Dynamic>>(
-                           0, count, Kokkos::ChunkSize(1)),
-                       [&](int i) {
-                         const ShareOfThreads share(all, std::min(count, all));
-                         try {
-                           work(i);
-                         } catch (...) {
-                           const std::lock_guard lock(one_fault);
-                           if (!fault) fault = std::current_exception();
-                         }
-                       });
-  HostSpace{}.fence();
-  if (fault) std::rethrow_exception(fault);
-}
-#else
+// Not by Kokkos: a launch on its host space keeps that space to itself, and the work gives to it.
 void side_by_side(int count, const std::function<void(int)>& work) {
   on_threads(host_threads(), static_cast<std::size_t>(count),
              [&](std::size_t i) { work(static_cast<int>(i)); });
 }
-#endif
 
 std::string arithmetic() {
 #if defined(__CUDACC__)

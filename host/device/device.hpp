@@ -44,16 +44,16 @@ class Device {
   virtual ~Device() = default;
   /// Memory of the device, with anything in it, on a cache line. Throws std::bad_alloc.
   virtual char* allocate(std::size_t bytes) = 0;
-  virtual void release(char* block) noexcept = 0;
+  virtual void release(char* block, std::size_t bytes) noexcept = 0;
   /// Memory of the host that the device reaches under the same address.
   virtual char* allocate_on_host(std::size_t bytes) = 0;
-  virtual void release_on_host(char* block) noexcept = 0;
+  virtual void release_on_host(char* block, std::size_t bytes) noexcept = 0;
   virtual std::unique_ptr<DeviceQueue> make_queue() = 0;
   /// Scenes that it marches at one moment.
   virtual int scenes_at_once() const = 0;
   /// How it is called in reports.
   virtual std::string name() const = 0;
-  /// Bytes that are free [now].
+  /// Bytes that are free now; 0 where nobody can say.
   virtual std::size_t free_memory() const = 0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/device/launch.hpp"
 
+#include <Kokkos_Core.hpp>
 #include <stdexcept>
 
 namespace ra2d {
@@ -38,6 +39,27 @@ MarchScene march_of(Form, int) {
   throw std::logic_error("a build for a GPU has no marches for the host");
 }
 #else
+namespace {
+
+/// A launch on the CPU: of marches that were compiled for one scene.
+struct HostMarch {
+  MarchScene march;
+  ScenesToMarch scenes;
+
+  void operator()(const Kokkos::TeamPolicy<Space>::member_type& member) const {
+    const int scene = scenes.scenes[member.league_rank()];
+    const Kokkos::Timer timer;
+    march(scenes.tables[scene], scenes.states[scene], scenes.targets[scene]);
+    scenes.seconds[scene] = timer.seconds();
+  }
+};
+
+}  // namespace
+
+void launch_march(const Space& space, const ScenesToMarch& scenes) {
+  Kokkos::parallel_for("ra2d::march", Kokkos::TeamPolicy<Space>(space, scenes.count, 1),
+                       HostMarch{march_of(scenes.form, scenes.packs), scenes});
+}
 MarchScene march_of(Form form, int packs) {
   MarchScene march = nullptr;
   choose(form, packs, [&]<Form f, int K>() { march = march_one<f, K>; });

@@ -17,7 +17,10 @@ namespace ra2d {
 
 using Space = Kokkos::DefaultExecutionSpace;
 
-/// On a GPU: each to its target.
+/// Whether a team's lanes are the threads of a warp.
+inline constexpr bool marches_on_gpu = LanesOf<Space>::vector_length > 1;
+
+/// Each to its target, a team each.
 void launch_march(const Space& space, const ScenesToMarch& scenes);
 
 template <Form form, int K>

@@ -67,7 +67,7 @@ char* DevicePool::allocate(std::size_t bytes) {
 }
 void DevicePool::release(char* data, std::size_t bytes) noexcept {
   held_ -= bytes;
-  kind_ == Kind::on_device ? device_.release(data) : device_.release_on_host(data);
+  kind_ == Kind::on_device ? device_.release(data, bytes) : device_.release_on_host(data, bytes);
 }
 
 void DevicePool::give_back() noexcept {

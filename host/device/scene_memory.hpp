@@ -87,13 +87,14 @@ class SceneMemory {
  public:
   explicit SceneMemory(BatchMemory& batch) : batch_{&batch} {}
 
-  /// Memory for the scene's record; sets its addresses. Throws std::bad_alloc, as do all of
-  /// these.
+  /// Memory for the scene's record, zero at first: the padding of its rows stays so. Sets its
+  /// addresses. Throws std::bad_alloc, as do all of these.
   void provide(RecordBuffers& out, const Extents& n) {
     const auto arrays = [&](auto&& visit) { visit_arrays(out, n, visit); };
     const std::size_t bytes = lay_out(nullptr, arrays);
     handed_share_ = MemoryShare(on_host() ? batch_->budget : &batch_->left_on_host, bytes);
     handed_ = batch_->handed->lend(bytes);
+    if (!on_host()) std::memset(handed_.data(), 0, bytes);
     lay_out(handed_.data(), arrays);
   }
 

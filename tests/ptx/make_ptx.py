@@ -60,14 +60,15 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1].removeprefix("usage: "))
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=FORMS)
+    parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=[])
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
     build, folder = options.build.resolve(), options.folder.resolve()
     flags = flags_of(build)
     folder.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"), options.forms))
+        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"),
+                      options.forms or FORMS))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <string>
+
+#include "host/device/launch.hpp"
+
+/// All that Kokkos cannot say of a GPU or do with it. Each make that is known has a file of its own
+/// (card_cuda.cpp); card_default.cpp serves all others, and the CPU.
+namespace ra2d::card {
+
+/// Throws RequestError where there is no GPU of this number. A number less than 0 stands for any.
+/// Before Kokkos is started.
+void require(int device);
+/// Once it has been.
+void begin();
+
+/// How it is called in reports.
+std::string name();
+/// Bytes that are free now; 0 where nobody can say.
+std::size_t free_memory();
+/// Scenes, a team each, that it marches at one moment.
+int scenes_at_once();
+/// Returns when all work of an instance is done, without a core of the host in the meantime if it
+/// can. Throws std::runtime_error with what the driver says.
+void wait(const Space& instance);
+/// The driver's words on work that has failed; empty where none has. After a fault Kokkos would
+/// end the program: it is not to be called any more.
+std::string fault(const Space& instance = Space());
+
+}  // namespace ra2d::card
