@@ -25,15 +25,15 @@ namespace {
 
 /// The heights that `make` makes, its faults and doubts under the key of the face.
 template <class Make>
-std::vector<double> face_of(const std::string& body, const BodySpec& spec, const Scene& scene,
-                            std::vector<std::string>& doubts, const Make& make) {
+auto face_of(const std::string& body, const BodySpec& spec, const Scene& scene,
+             std::vector<std::string>& doubts, const Make& make) {
   const std::string key = body + ".surface";
   try {
     std::vector<std::string> odd;
-    std::vector<double> heights = make(&odd);
+    auto face = make(&odd);
     for (const std::string& what : odd)  // a measured face names its file
       doubts.push_back(spec.surface.kind == SurfaceKind::file ? what : key + ": " + what);
-    return heights;
+    return face;
   } catch (const RequestError& fault) {
     throw refusal(scene, key, fault.what());
   } catch (const FileError& fault) {
@@ -65,28 +65,25 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   nodes.first = static_cast<std::size_t>(scene.start / scene.spacing);
   HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
   if (scene.faces == Faces::smooth) {
-    const std::size_t needed = nodes.nx;
-    if (scene.resonator.surface.kind == SurfaceKind::gaussian) {
-      // so that a spline does not feel where the run ends, but for the body's own end
-      const auto whole = static_cast<std::size_t>(scene.resonator.length / scene.spacing) + 1;
-      nodes.nx = std::max(needed, std::min<std::size_t>(needed + spline_reach, whole));
-    } else {
-      maps.first = static_cast<int>(nodes.first);  // a measured map may begin there
-    }
-    maps.beyond = static_cast<int>(nodes.nx - needed);
+    // so that a spline does not feel where the run ends, but for the body's own end
+    const auto whole = static_cast<std::size_t>(scene.resonator.length / scene.spacing) + 1;
+    nodes.beyond = std::min<std::size_t>(spline_reach, std::max(whole, nodes.nx) - nodes.nx);
   }
   const auto face = [&](const char* name, const BodySpec& body) {
     return face_of(name, body, scene, doubts, [&](std::vector<std::string>* odd) {
       return map_face(body.surface, nodes, scene.file, odd);
     });
   };
-  maps.resonator = face("resonator", scene.resonator);
+  MapRows strip = face("resonator", scene.resonator);
+  maps.resonator = std::move(strip.heights);
+  maps.first = static_cast<int>(strip.first);
+  maps.beyond = static_cast<int>(strip.nx - nodes.nx);
   nodes.length = scene.slider.length;
   nodes.thickness = scene.slider.thickness;
   nodes.side = 0;
   nodes.nx = static_cast<std::size_t>(nodes_along(scene));
-  nodes.first = 0;
-  maps.slider = face("slider", scene.slider);
+  nodes.first = nodes.beyond = 0;
+  maps.slider = face("slider", scene.slider).heights;
   return maps;
 }
 

@@ -85,26 +85,38 @@ FaceExtent extent_of_rows(const std::vector<double>& heights, std::size_t nx, do
   return {*high - *low, std::sqrt(rises / static_cast<double>(steps)) / spacing};
 }
 
-/// The map with the points that the nodes need.
+/// The map with the points that the nodes need: nx by ny that are touched, `wanted` along x.
 HeightMap wide_enough(HeightMap map, const SurfaceSpec& spec, const std::filesystem::path& file,
-                      double nx, double ny, std::vector<std::string>* doubts) {
-  if (nx <= static_cast<double>(map.nx) && ny <= static_cast<double>(map.ny)) return map;
+                      double nx, double ny, double wanted, std::vector<std::string>* doubts) {
+  const auto is_short = [&map](double along, double across) {
+    return along > static_cast<double>(map.nx) || across > static_cast<double>(map.ny);
+  };
+  if (!is_short(wanted, ny)) return map;
   if (spec.prepared.when_short == ShortProfile::refuse)
     refuse_measured_map(
         file, fmt::format("it has {} by {} points, and up to {:.0f} by {:.0f} are touched: give a "
                           "larger map, or say short = \"repeat\" or \"mirror\"",
                           map.nx, map.ny, nx, ny));
-  nx = std::max(nx, static_cast<double>(map.nx));
-  ny = std::max(ny, static_cast<double>(map.ny));
-  require_map_size(file.string(), nx, ny);
-  if (doubts != nullptr)
+  if (doubts != nullptr && is_short(nx, ny))
     doubts->push_back(fmt::format(
         "{}: {} by {} points, fewer than are touched: {}", file.string(), map.nx, map.ny,
         spec.prepared.when_short == ShortProfile::repeat ? "repeated" : "mirrored"));
   const MapExtension how = spec.prepared.when_short == ShortProfile::repeat ? MapExtension::repeat
                                                                             : MapExtension::mirror;
-  return extended_map(map, how, static_cast<std::size_t>(nx), static_cast<std::size_t>(ny),
+  wanted = std::max(wanted, static_cast<double>(map.nx));
+  ny = std::max(ny, static_cast<double>(map.ny));
+  require_map_size(file.string(), wanted, ny);
+  return extended_map(map, how, static_cast<std::size_t>(wanted), static_cast<std::size_t>(ny),
                       file.string());
+}
+
+/// How many of the nodes that are welcome behind the last of these a map has: as far as its points
+/// go, or all where it goes on.
+std::size_t nodes_beyond(const HeightMap& map, const FilePreparation& how, const PlacesOnLine& x,
+                         std::size_t welcome) {
+  if (how.when_short != ShortProfile::refuse) return welcome;
+  const double free = (static_cast<double>(map.nx - 1) - x.last()) / x.step;
+  return static_cast<std::size_t>(std::clamp(std::floor(free), 0.0, static_cast<double>(welcome)));
 }
 
 /// The heights of the points on which the nodes stand; before the first one it is level.
@@ -143,9 +155,8 @@ void doubt_between(const std::filesystem::path& file, const HeightMap& map, cons
         file.string(), miss, 100 * miss / rms));
 }
 
-std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
-                                 const std::filesystem::path& file,
-                                 std::vector<std::string>* doubts) {
+MapRows measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
+                     const std::filesystem::path& file, std::vector<std::string>* doubts) {
   const FilePreparation& how = spec.prepared;
   HeightMap map;
   std::vector<std::string> odd;
@@ -176,35 +187,44 @@ std::vector<double> measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
                        0.5,
                        0,
                        static_cast<double>(nodes.rows - 1)};
-  const PlacesOnLine x = places_on_map(file, along), y = places_on_map(file, across);
+  PlacesOnLine x = places_on_map(file, along);
+  const PlacesOnLine y = places_on_map(file, across);
   const auto points = [](const PlacesOnLine& places) {
     return std::ceil(places.last() + 0.5 - drift);
   };
-  map = wide_enough(std::move(map), spec, file, points(x), points(y), doubts);
+  const double touched = points(x);
+  x.count += nodes_beyond(map, how, x, nodes.beyond);
+  map = wide_enough(std::move(map), spec, file, touched, points(y), points(x), doubts);
   const bool on_points = along.is_on_points() && across.is_on_points();
   if (!on_points)
     require_map_size(file.string(), static_cast<double>(x.count), rows_on_spline(map, y));
-  std::vector<double> heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
-  const FaceExtent extent = extent_of_rows(heights, nodes.nx, nodes.spacing);
+  MapRows rows;
+  rows.nx = x.count;
+  rows.first = static_cast<std::size_t>(
+      std::clamp(std::ceil(-x.first / x.step), 0.0, static_cast<double>(nodes.first)));
+  rows.heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
+  const FaceExtent extent = extent_of_rows(rows.heights, rows.nx, nodes.spacing);
   if (!on_points && doubts != nullptr)
     doubt_between(file, map, along, across, extent.slope, *doubts);
   check_proportion(file, extent, {"body", nodes.length, nodes.thickness}, doubts);
-  return heights;
+  return rows;
 }
 
 }  // namespace
 
-std::vector<double> map_face(const SurfaceSpec& spec, const MapNodes& nodes,
-                             const std::filesystem::path& scene_file,
-                             std::vector<std::string>* doubts) {
+MapRows map_face(const SurfaceSpec& spec, const MapNodes& nodes,
+                 const std::filesystem::path& scene_file, std::vector<std::string>* doubts) {
   require_map_size("the map", static_cast<double>(nodes.nx), static_cast<double>(nodes.rows));
+  MapRows rows;
+  rows.nx = nodes.nx + nodes.beyond;
   switch (spec.kind) {
     case SurfaceKind::gaussian: {
       const double rsm = resolve_random(spec, nodes.length).rsm;
-      return random_map(
-                 {spec.rq, rsm, spec.rsm_y.value_or(rsm), spec.exact == Exactly::rq, spec.seed},
-                 nodes.length, nodes.width, nodes.spacing, nodes.spacing_y, doubts, nodes.nx)
-          .heights;
+      rows.heights =
+          random_map({spec.rq, rsm, spec.rsm_y.value_or(rsm), spec.exact == Exactly::rq, spec.seed},
+                     nodes.length, nodes.width, nodes.spacing, nodes.spacing_y, doubts, rows.nx)
+              .heights;
+      return rows;
     }
     case SurfaceKind::file:
       return measured_map(spec, nodes, scene_file.parent_path() / spec.path, doubts);
@@ -213,7 +233,8 @@ std::vector<double> map_face(const SurfaceSpec& spec, const MapNodes& nodes,
     case SurfaceKind::flat:
       break;
   }
-  return std::vector<double>(nodes.nx * nodes.rows, 0.0);
+  rows.heights.assign(rows.nx * nodes.rows, 0.0);
+  return rows;
 }
 
 }  // namespace ra2d

@@ -624,6 +624,50 @@ TEST_F(ArealProgram, PlansWhatItWouldModel) {
   EXPECT_GE(plan["cost"]["touching_at_start"], 3);  // a free block stands on three
 }
 
+/// A measured face, too, whatever part of it a run touches: a spline knows the points before and
+/// behind that.
+TEST_F(MeasuredMaps, AreSmoothBeyondWhatIsTouched) {
+  const auto waves = [](int i, int j) {
+    return 1e-6 * std::cos(1.1 * i + j) + 1e-7 * std::cos(2.9 * i * (j + 1));
+  };
+  write("long.txt", 300, 6, waves);
+  write("short.txt", 215, 6, waves);
+  const auto model = [&](const std::string& words, const char* start, const char* duration) {
+    return make_model(
+        areal({"resonator.surface={kind=\"file\",spacing=1e-4,spacing_y=2e-4," + words + "}",
+               "scene.faces=smooth", std::string("scene.start=") + start,
+               std::string("scene.duration=") + duration},
+              folder_.path() / "s.toml"));
+  };
+  const auto expect_same = [](const Model& a, const Model& b, int first) {
+    double largest = 0;
+    for (const double c : a.resonator_curvature) largest = std::max(largest, std::abs(c));
+    ASSERT_GT(largest, 1e-7);
+    for (int row = 0; row < a.rows; ++row)
+      for (int i = first; i < std::min(a.row_heights(), b.row_heights()); ++i)
+        EXPECT_NEAR(a.resonator_curvature[row * a.row_heights() + i],
+                    b.resonator_curvature[row * b.row_heights() + i], 1e-14 * largest)
+            << row << ' ' << i;
+  };
+  for (const char* words : {"path=\"long.txt\"", "path=\"short.txt\",short=\"mirror\""}) {
+    const Model run = model(words, "0.02", "1e-3");
+    ASSERT_EQ(run.row_heights(), 221);
+    expect_same(run, model(words, "0.02", "2e-3"), 0);
+    expect_same(run, model(words, "0.018", "1e-2"), 0);
+  }
+  // and where the map begins under the slider, its own spline begins
+  const Model begins = model("path=\"long.txt\",offset_x=0.02", "0.02", "1e-3");
+  const Model whole = model("path=\"long.txt\"", "0", "2e-2");
+  for (int row = 0; row < begins.rows; ++row)
+    for (int i = 0; i < begins.row_heights(); ++i) {
+      const double c = begins.resonator_curvature[row * begins.row_heights() + i];
+      if (i < 200)
+        EXPECT_EQ(c, 0);
+      else
+        EXPECT_NEAR(c, whole.resonator_curvature[row * whole.row_heights() + i - 200], 1e-20);
+    }
+}
+
 /// A face is the scene's own, whatever part of it a run needs.
 TEST(ArealSmoothFaces, AreNotTheRuns) {
   for (const char* rsm_y : {"1e-3", "inf"}) {
