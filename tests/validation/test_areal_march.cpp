@@ -16,6 +16,7 @@
 #include "tests/areal_reference.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/compare.hpp"
+#include "tests/effort.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/schemes.hpp"
@@ -147,9 +148,10 @@ INSTANTIATE_TEST_SUITE_P(Scenes, ArealMarch,
 TEST(ArealRoom, GrowsWithTheContactAndChangesNoBit) {
   ArealScene s = pressed_block();
   s.speed = 20;
+  const int steps = draws(600);
   for (const Scheme& scheme : schemes_and_implicit()) {
-    const Started all = areal_march(s, scheme, 1e-8, 600, 3),
-                  started = areal_march(s, scheme, 1e-8, 600, 3, Nodes::candidates);
+    const Started all = areal_march(s, scheme, 1e-8, steps, 3),
+                  started = areal_march(s, scheme, 1e-8, steps, 3, Nodes::candidates);
     Launches with_room;
     with_room.batch.capacity.nodes = 1024;
     const Recording expected = simulate(all, with_room);
