@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the marches of the paper's scenes take of a GPU, counted: bench/device_counts.py compares it
-// with what it was. Prints JSON; with LINES_FOLDER how often each line of the PTX was issued, too,
-// as NAME.lines, "LINE TIMES" each.
+// The marches of the paper's scenes, and of areal scenes, which have many packs of modes: what they
+// take of a GPU, counted. bench/device_counts.py compares it with what it was. Prints JSON; with
+// LINES_FOLDER how often each line of the PTX was issued, too, as NAME.lines, "LINE TIMES" each.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -32,20 +33,31 @@ struct Stretch {
 };
 // both schemes sampled alike, adaptive with the same tolerance as in bench_throughput's scenes
 constexpr double rate = 1e4, tolerance = 1e-6;
-constexpr Stretch stretches[] = {
+constexpr Stretch plane_stretches[] = {
     {"adaptive_free", "dang2012.toml", SchemeKind::adaptive, 1e-2, 2e-2},
     {"adaptive_pinned", "dang2012-pinned.toml", SchemeKind::adaptive, 1e-2, 4e-2},
     {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 1e-2, 2e-3},
     {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1e-2}};
+constexpr Stretch areal_stretches[] = {
+    {"areal_adaptive", "areal.toml", SchemeKind::adaptive, 1e-3, 1e-3},
+    {"areal_backward_euler", "areal.toml", SchemeKind::backward_euler, 1e-3, 1e-4}};
+std::span<const Stretch> stretches() {
+  if constexpr (RA2D_TEST_PACKS > 1) return areal_stretches;
+  return plane_stretches;
+}
+constexpr double areal_step = 1e-7;  // s
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {
   Scene scene = read_scene(scenes / stretch.scene);
   scene.time.scheme = stretch.scheme;
-  if (stretch.scheme == SchemeKind::adaptive) scene.time.tolerance = tolerance;
+  if (stretch.scheme == SchemeKind::adaptive)
+    scene.time.tolerance = tolerance;
+  else if (scene.kind == SceneKind::areal)
+    scene.time.step = areal_step;
   scene.output.rate = rate;
   const Model model = make_model(scene);
-  SceneOnLanes lanes(model, make_start(model), 1);
+  SceneOnLanes lanes(model, make_start(model), RA2D_TEST_PACKS);
   CarriedState& carried = lanes.state().carried;
   const auto begin = std::llround(stretch.settle / model.tick);
   while (carried.step < begin && carried.status == Status::running) {
@@ -94,7 +106,7 @@ int main(int argc, char** argv) try {
   const ra2d::Backend backend(1);
   ra2d::test::MarchPrograms programs(argv[1]);
   nlohmann::ordered_json counts;
-  for (const auto& stretch : ra2d::test::stretches)
+  for (const auto& stretch : ra2d::test::stretches())
     counts[stretch.name] =
         ra2d::test::count(stretch, programs, argv[2], argc == 4 ? argv[3] : nullptr);
   std::puts(counts.dump(2).c_str());

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""PTX of the marches, one file a form, for the interpreter in tests/ptx.
+"""PTX of the marches, one file a form, for the interpreter in tests/ptx: of --packs packs of 32
+modes, usually one.
 
-usage: make_ptx.py [--jobs N] BUILD FOLDER [FORM...]
+usage: make_ptx.py [--jobs N] [--packs N] BUILD FOLDER [FORM...]
 
 BUILD was configured for CUDA; nothing in it has to be built. The flags are those of its own
 marches, but optimised and with the source's lines: so what is wrong with the flags shows in the
@@ -36,11 +37,11 @@ def flags_of(build):
     raise SystemExit(f"{build} is not configured for CUDA: cmake --preset cuda")
 
 
-def make(build, flags, form, out):
+def make(build, flags, form, packs, out):
     """Compiles one form."""
     wrapper = build / "_deps/kokkos-src/bin/nvcc_wrapper"
     options = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}",
-               "-DRA2D_PTX_PORTABLE_FUNCTIONS",
+               f"-DRA2D_PTX_PACKS={packs}", "-DRA2D_PTX_PORTABLE_FUNCTIONS",
              "-c", SOURCE, "-o", out]
     shown = subprocess.run([str(word) for word in options], cwd=build,
                            capture_output=True, text=True)
@@ -62,12 +63,13 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=[])
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--packs", type=int, default=1)
     options = parser.parse_args()
     build, folder = options.build.resolve(), options.folder.resolve()
     flags = flags_of(build)
     folder.mkdir(parents=True, exist_ok=True)
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(lambda form: make(build, flags, form, folder / f"{form}.ptx"),
+        list(pool.map(lambda form: make(build, flags, form, options.packs, folder / f"{form}.ptx"),
                       options.forms or FORMS))
 
 

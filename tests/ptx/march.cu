@@ -9,5 +9,6 @@
 extern "C" __global__ void march(const ra2d::SceneTables* tables, ra2d::SceneState* state,
                                  std::int64_t target) {
   using Lanes = ra2d::WarpLanes<int>;
-  ra2d::march_scene<Lanes, ra2d::Form::RA2D_PTX_FORM, 1>(Lanes(0), *tables, *state, target);
+  ra2d::march_scene<Lanes, ra2d::Form::RA2D_PTX_FORM, RA2D_PTX_PACKS>(Lanes(0), *tables, *state,
+                                                                      target);
 }

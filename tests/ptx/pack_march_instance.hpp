@@ -12,7 +12,7 @@ namespace ra2d::test {
 
 template <Form form>
 void march_form(SceneOnLanes& scene, std::int64_t target) {
-  march_scene<PackLanes, form, 1>(PackLanes(), scene.tables(), scene.state(), target);
+  march_scene<PackLanes, form, RA2D_TEST_PACKS>(PackLanes(), scene.tables(), scene.state(), target);
 }
 
 }  // namespace ra2d::test
