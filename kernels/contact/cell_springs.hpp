@@ -36,7 +36,7 @@ namespace ra2d {
 template <class Lanes, int packs>
 class CellSprings {
   using Real = typename Lanes::Real;
-  static constexpr int width = Lanes::width, rows = packs * width;
+  static constexpr int width = Lanes::width, row = packs * width;
 
  public:
   RA2D_FUNCTION CellSprings(const Lanes& lanes, const ContactTables& contact,
@@ -234,12 +234,13 @@ class CellSprings {
           factor[i][l] = factor[l][l] > 0.0 ? sum / factor[l][l] : 0.0;
       }
     for (int l = 0; l < 4; ++l) {
-      Real row[packs], part(0.0);
+      Real product[packs], part(0.0);
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        row[p] = factor[l][l] * phi[l][p];
-        for (int i = l + 1; i < 4; ++i) row[p] = multiply_add(factor[i][l], phi[i][p], row[p]);
-        row[p] = d[p] * row[p];
-        part = multiply_add(row[p], row[p], part);
+        product[p] = factor[l][l] * phi[l][p];
+        for (int i = l + 1; i < 4; ++i)
+          product[p] = multiply_add(factor[i][l], phi[i][p], product[p]);
+        product[p] = d[p] * product[p];
+        part = multiply_add(product[p], product[p], part);
       }
       const double size = lanes_.sum(part);
       if (size <= small) {
@@ -248,7 +249,7 @@ class CellSprings {
       }
       if (found.products < modes)
         for (int p = 0; p < filled<packs>(lanes_); ++p)
-          lanes_.store(products_.rows + found.products * rows + p * width, row[p]);
+          lanes_.store(products_.rows + found.products * row + p * width, product[p]);
       ++found.products;
     }
   }
@@ -258,34 +259,35 @@ class CellSprings {
   /// be more than those of the forces.
   RA2D_FUNCTION void solve_by_products(int count, const Real* w, const Real* pressing,
                                        Real* next) const {
-    const auto row = [&](int i, int p) {
-      return lanes_.load(products_.rows + i * rows + p * width);
+    const auto product = [&](int i, int p) {
+      return lanes_.load(products_.rows + i * row + p * width);
     };
     const auto dot = [&](int i, const auto& other) {
       Real part(0.0);
       for (int p = 0; p < filled<packs>(lanes_); ++p)
-        part = multiply_add(row(i, p), other(p), part);
+        part = multiply_add(product(i, p), other(p), part);
       return lanes_.sum(part);
     };
     for (int i = 0; i < count; ++i) {
       const double along = dot(i, [&](int p) { return w[p] + pressing[p]; });
       if (lanes_.leader()) products_.solution[i] = along;
       for (int j = 0; j <= i; ++j) {
-        const double product = dot(i, [&](int p) { return row(j, p); });
-        if (lanes_.leader()) factor(i, j) = product;
+        const double both = dot(i, [&](int p) { return product(j, p); });
+        if (lanes_.leader()) factor(i, j) = both;
       }
     }
     solve(count);
     for (int p = 0; p < filled<packs>(lanes_); ++p) next[p] = -pressing[p];
     for (int i = 0; i < count; ++i)
       for (int p = 0; p < filled<packs>(lanes_); ++p)
-        next[p] = multiply_add(products_.solution[i], row(i, p), next[p]);
+        next[p] = multiply_add(products_.solution[i], product(i, p), next[p]);
     lanes_.sync();
   }
 
   /// The end of Newton's step where there are many products.
   RA2D_FUNCTION void solve_in_modes(const Place& place, const Real* now, int cells, const Real* d,
                                     const Real* w, const Real* pressing, Real* next) const {
+    const int rows = filled<packs>(lanes_) * width;
     for (int i = 0; i < rows; ++i)
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(&factor(i, p * width), Real(0.0));

@@ -363,7 +363,8 @@ class Complementarity {
   /// (I + D sum_n phi_n phi_n^T D / compliance) step = -slope.
   RA2D_FUNCTION void solve_newton(const Place& place, const Real* now, int nodes, const Real* d,
                                   const Real* slope, Real* step) {
-    constexpr int width = Lanes::width, rows = packs * width;
+    constexpr int width = Lanes::width;
+    const int rows = filled<packs>(lanes_) * width;
     const double stiffness = 1.0 / contact_.compliance;
     lanes_.sync();
     for (int i = 0; i < rows; ++i)
