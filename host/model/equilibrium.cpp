@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <list>
 #include <memory>
@@ -328,6 +329,13 @@ RequestError no_equilibrium(const Scene& scene, const std::string& why) {
                                  : "Start from \"rest\", or lower contact.stiffness"));
 }
 
+RequestError too_many_touch(const Scene& scene, std::int64_t nodes) {
+  return refusal(scene, "scene.spacing",
+                 fmt::format("at the start {} nodes touch at once, and {} can be followed: coarsen "
+                             "spacing and spacing_y, or let less touch (load, gap)",
+                             nodes, int{most_areal_nodes}));
+}
+
 /// `guess`: displacements near the answer; empty: none.
 Rest find_equilibrium(const Model& model, const Potential& potential,
                       const Eigen::VectorXd& guess = {}) {
@@ -424,7 +432,6 @@ std::vector<int> highest_cells(const Model& model) {
 /// no other overlaps; those that do are taken in.
 Rest find_areal_equilibrium(const Model& model) {
   constexpr int rounds = 100;
-  constexpr std::size_t most_nodes = 2 * std::size_t{most_areal_nodes};
   const std::vector<double> faces = overlaps(model, {}, {});
   const RowOverlaps all_at(model, faces);
   std::vector<int> nodes = highest_of_tiles(model, faces);
@@ -448,12 +455,9 @@ Rest find_areal_equilibrium(const Model& model) {
         rest.forces[nodes[i]] = some.forces[static_cast<Eigen::Index>(i)];
       return rest;
     }
-    const std::size_t most_taken = nodes.size();  // at a time
-    if (nodes.size() + missing.size() > most_nodes)
-      throw refusal(model.scene, "scene.spacing",
-                    fmt::format("at rest {} nodes or more touch at once, and {} can be followed: "
-                                "coarsen spacing and spacing_y",
-                                missing.size(), int{most_areal_nodes}));
+    const std::size_t most_taken = nodes.size();  // at a time: the bodies still sink too deep
+    if (nodes.size() > 2 * std::size_t{most_areal_nodes})
+      throw too_many_touch(model.scene, (rest.overlap.array() >= 0).count());
     if (missing.size() > most_taken) {
       std::nth_element(missing.begin(), missing.begin() + static_cast<std::ptrdiff_t>(most_taken),
                        missing.end(),
@@ -518,9 +522,7 @@ Eigen::VectorXd smooth_start(const Model& model, ModalStart& start) {
   return Eigen::Map<const Eigen::VectorXd>(u.data(), static_cast<Eigen::Index>(u.size()));
 }
 
-}  // namespace
-
-ModalStart make_start(const Model& model) {
+ModalStart find_start(const Model& model) {
   const auto modes2 = static_cast<Eigen::Index>(model.resonator.modes.size());
   const auto modes1 = static_cast<Eigen::Index>(model.slider.modes.size());
   const bool multipliers = model.scene.contact.law == ContactLaw::multiplier;
@@ -558,6 +560,15 @@ ModalStart make_start(const Model& model) {
     start.contact_energy += 0.5 * model.node_stiffness * rest.overlap[n] * rest.overlap[n];
   }
   start.energy += start.contact_energy;
+  return start;
+}
+
+}  // namespace
+
+ModalStart make_start(const Model& model) {
+  ModalStart start = find_start(model);
+  if (model.is_areal && start.loaded_nodes.size() > std::size_t{most_areal_nodes})
+    throw too_many_touch(model.scene, static_cast<std::int64_t>(start.loaded_nodes.size()));
   return start;
 }
 

@@ -14,6 +14,7 @@
 #include "host/run/v_rms.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "kernels/tables.hpp"
 
 namespace ra2d {
 namespace {
@@ -66,10 +67,12 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
         when, model.tick);
   if (end.status == Status::crowded)
     return fmt::format(
-        "out of memory: at {} more nodes touch at once than there is memory for. Coarser nodes "
+        "out of memory: at {} more nodes touch at once than there is memory for{}. Coarser nodes "
         "(scene.spacing) or a smaller load need less; or leave it more of the memory (fewer runs "
         "side by side)",
-        when);
+        when,
+        model.is_areal ? fmt::format(", or than the {} that can be followed", most_areal_nodes)
+                       : "");
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   return (end.status == Status::not_finite
               ? fmt::format("not finite: at {} the state is no longer a number", when)

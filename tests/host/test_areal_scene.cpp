@@ -847,6 +847,26 @@ TEST_F(ArealProgram, PlansFindWhatItCanDoWithout) {
   EXPECT_EQ(scene.spacing_y.value(), 2 * scene.spacing);
 }
 
+/// Flat faces of 364 x 364 nodes, pressed together.
+TEST(ArealScene, StartsWhereMoreNodesTouchThanCanBeFollowedAreRefused) {
+  const Changes flat{"scene.spacing=1e-5",   "scene.spacing_y=1e-5",      "slider.length=3.63e-3",
+                     "slider.width=3.64e-3", "time.nodes=\"candidates\"", "resonator.modes=3"};
+  const auto start_of = [&](Changes changes) {
+    changes.insert(changes.begin(), flat.begin(), flat.end());
+    try {
+      return fmt::format("{} nodes", make_start(make_model(areal(changes))).loaded_nodes.size());
+    } catch (const RequestError& fault) {
+      return std::string(fault.what());
+    }
+  };
+  const auto refused = HasSubstr(
+      "scene.spacing: at the start 132496 nodes touch at once, and 65536 can be followed");
+  EXPECT_THAT(start_of({"scene.gap=1e-9"}), "0 nodes");
+  EXPECT_THAT(start_of({"scene.gap=-1e-9"}), refused);
+  EXPECT_THAT(start_of({"scene.initial=\"static\"", "slider.load=100", "contact.stiffness=1e10"}),
+              refused);
+}
+
 TEST(ArealScene, AnotherSpacingKeepsTheRatioOfBoth) {
   Scene s = areal();
   set_spacing(s, 5e-5);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/adaptive.hpp"
+#include "tests/areal_scenes.hpp"
 #include "tests/effort.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/schemes.hpp"
@@ -92,6 +93,42 @@ TEST(Capacity, RunsOutAndGrowsWithTheSameBits) {
       EXPECT_TRUE(same(expected, simulate(scene, {.batch = {.capacity = {.nodes = nodes}}})))
           << nodes << " nodes at first, found at once: " << found_together;
   }
+}
+
+constexpr int wedge_rows = 260, wedge_steps = 21;
+
+/// A block of 260 x 260 nodes that falls off by 2 nm a node, on a plate that rises by 1 nm a node:
+/// so many nodes of each row touch at first, one more with each node that the block has slid.
+ArealScene wedge(int touching) {
+  constexpr int before = 10, row = 260, beyond = 10;
+  ArealScene s = rigid_block();
+  s.plate.modes = 3;
+  s.spacing = s.spacing_y = 1e-5;
+  s.block.length = (row - 1) * s.spacing, s.block.width = wedge_rows * s.spacing_y;
+  s.start = before * s.spacing;
+  s.stiffness = 1e10;
+  std::vector<double> plate(before + row + beyond), block(row);
+  for (std::size_t i = 0; i < plate.size(); ++i) plate[i] = 1e-9 * static_cast<double>(i);
+  for (std::size_t i = 0; i < block.size(); ++i) block[i] = -2e-9 * static_cast<double>(i);
+  s.plate_heights.assign(wedge_rows, plate);
+  s.block_heights.assign(wedge_rows, block);
+  s.gap = 1e-9 * (before - touching + 0.5);
+  return s;
+}
+
+/// Over 4.2 nodes.
+Outcome slide_wedge(int touching, Nodes nodes) {
+  const Started c = areal_march(wedge(touching), schemes[0], 1e-6, wedge_steps, 1, nodes);
+  EXPECT_EQ(c.start.loaded_nodes.size(), std::size_t(touching * wedge_rows));
+  return march(c.model, c.start, nodes);
+}
+
+TEST(Capacity, OfArealScenesEndsAtTheMostNodesThatCanBeFollowed) {
+  const Outcome most = slide_wedge(248, Nodes::candidates);  // more than half of the longest list
+  EXPECT_EQ(most.end.status, Status::done);
+  EXPECT_EQ(most.end.most_nodes, 252 * wedge_rows);
+  EXPECT_TRUE(same(most, slide_wedge(248, Nodes::all)));
+  EXPECT_EQ(slide_wedge(250, Nodes::candidates).end.status, Status::crowded);
 }
 
 }  // namespace
