@@ -12,6 +12,15 @@ namespace ra2d::test {
 
 using Kind = Instruction::Kind;
 
+void ModelCache::access(std::uint64_t sector_number) {
+  std::array<std::uint64_t, ways>& set = sets_[sector_number % sets_.size()];
+  const auto found = std::find(set.begin(), set.end(), sector_number);
+  if (found == set.end()) ++misses_;
+  const auto last = found == set.end() ? set.end() - 1 : found;
+  std::rotate(set.begin(), last, last + 1);
+  set.front() = sector_number;
+}
+
 PtxWarp::PtxWarp(const Program& program, Order order)
     : program_{program},
       order_{order},
@@ -231,6 +240,10 @@ std::uint32_t PtxWarp::guarded(const Instruction& i, std::uint32_t mask) const {
   return kept;
 }
 
+bool PtxWarp::is_local(std::uint64_t address) const {
+  return address - local_begin_ < warp_width * program_.local_bytes();
+}
+
 char* PtxWarp::memory(const Instruction& i, std::size_t index, std::uint64_t address, int lane,
                       bool writes) {
   const auto bytes = static_cast<std::uint64_t>(i.bytes);
@@ -261,9 +274,14 @@ void PtxWarp::access(const Instruction& i, std::size_t index, std::uint32_t mask
   const auto reg = [&](int number, int lane) -> std::uint64_t& {
     return registers_[static_cast<std::size_t>(number)][static_cast<std::size_t>(lane)];
   };
+  std::uint64_t sector_before = 0;
   for (; mask != 0; mask &= mask - 1) {
     const int lane = std::countr_zero(mask);
     const std::uint64_t address = reg(i.operand[0], lane) + static_cast<std::uint64_t>(i.offset);
+    if (!caches_.empty() && !is_local(address) && address / ModelCache::sector != sector_before) {
+      sector_before = address / ModelCache::sector;
+      for (ModelCache* cache : caches_) cache->access(sector_before);
+    }
     for (int k = 0; k < i.values; ++k) {
       const std::uint64_t place = address + static_cast<std::uint64_t>(k) * bytes;
       char* const at = memory(i, index, place, lane, i.kind != Kind::load);

@@ -21,6 +21,21 @@
 /// shuffle orders no memory.
 namespace ra2d::test {
 
+/// A cache of 16 ways that drops what was not used for longest.
+class ModelCache {
+ public:
+  static constexpr std::uint64_t sector = 32;  // bytes, as a GPU moves them
+
+  explicit ModelCache(std::uint64_t bytes) : sets_(bytes / (ways * sector)) {}
+  void access(std::uint64_t sector_number);
+  std::uint64_t missed_bytes() const { return sector * misses_; }
+
+ private:
+  static constexpr std::size_t ways = 16;
+  std::vector<std::array<std::uint64_t, ways>> sets_;  // sectors, the latest first
+  std::uint64_t misses_ = 0;
+};
+
 /// A warp that cannot go on.
 struct WarpFault : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -44,6 +59,9 @@ class PtxWarp {
   /// Runs the kernel to its end. Throws WarpFault.
   void run(const std::vector<std::uint64_t>& parameters);
 
+  /// Has a cache see all memory but the lanes' own from now on; it must outlive the warp.
+  void add_cache(ModelCache& cache) { caches_.push_back(&cache); }
+
   /// The races of all runs, each pair of places once, as text.
   std::vector<std::string> races() const;
   /// How often each instruction was issued to lanes of the warp, in all runs. As a GPU counts where
@@ -66,6 +84,7 @@ class PtxWarp {
                bool writes);
   std::uint32_t guarded(const Instruction& instruction, std::uint32_t mask) const;
   bool is_meeting(std::size_t index) const;
+  bool is_local(std::uint64_t address) const;
   [[noreturn]] void fault(const Instruction& instruction, const std::string& problem) const;
 
   const Program& program_;
@@ -83,6 +102,7 @@ class PtxWarp {
   std::set<std::pair<int, int>> races_;
   std::vector<std::uint64_t> counts_;
   std::uint64_t neighbour_exchanges_ = 0;
+  std::vector<ModelCache*> caches_;
 };
 
 }  // namespace ra2d::test
