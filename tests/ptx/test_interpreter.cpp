@@ -297,5 +297,26 @@ TEST(Interpreter, WhatItDoesNotKnowIsNamedWithItsLine) {
   EXPECT_THROW(Program::read("nowhere.ptx"), PtxError);
 }
 
+TEST(Interpreter, ACacheMissesWhatItNeverSawAndWhatItHadToDrop) {
+  alignas(ModelCache::sector) std::array<double, warp_width> values{};
+  const Program program(kernel("ld.f64 %fd1, [%rd2]; ld.f64 %fd2, [%rd1];"));
+  ModelCache cache(1 << 10);
+  for (int times = 0; times < 2; ++times) {
+    PtxWarp warp(program);
+    warp.allow("values", values.data(), sizeof values, false);
+    warp.add_cache(cache);
+    warp.run({reinterpret_cast<std::uint64_t>(values.data())});
+    EXPECT_EQ(cache.missed_bytes(), sizeof values);  // then it has them
+  }
+  ModelCache one_set(16 * ModelCache::sector);
+  for (std::uint64_t round = 0; round < 3; ++round)
+    for (std::uint64_t sector = 1; sector <= 16; ++sector) one_set.access(sector);
+  EXPECT_EQ(one_set.missed_bytes(), 16 * ModelCache::sector);
+  one_set.access(17);  // in place of 1, then 1 of 2
+  one_set.access(1);
+  one_set.access(3);
+  EXPECT_EQ(one_set.missed_bytes(), 18 * ModelCache::sector);
+}
+
 }  // namespace
 }  // namespace ra2d::test
