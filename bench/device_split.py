@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where the instructions that tests/ptx counts come from: shares of the source files, and of the
-functions' callers where a file holds but helpers.
+"""From which files of kernels/ the instructions come that tests/ptx counts.
 
-usage: device_split.py PTX LINES
+usage: device_split.py PTX LINES [FILE]
 
 PTX is a file that tests/ptx/make_ptx.py wrote, LINES what device_counts wrote of a stretch of its
-march. An instruction counts for the innermost file of the kernels that is not one of HELPERS.
-Standard library only.
+march. Prints the share of each file. What stands in one of HELPERS counts for the file that calls
+it. With FILE: the share of each of its lines, and how often its instructions were run: another
+number for each copy that the compiler made of the line. Standard library only.
 """
 import collections
 import pathlib
@@ -21,28 +21,30 @@ PLACE = re.compile(r"\s*\.loc\s+(\d+)\s+(\d+)\s+(\d+)"
 
 
 def source_of(place, inlined_at, files):
-    """The kernels' file that a place belongs to."""
+    """The kernels' file and line that a place belongs to."""
     seen = set()
     while place is not None and place not in seen:
         seen.add(place)
         path = files.get(place[0], "")
         if "/kernels/" in path and pathlib.Path(path).name not in HELPERS:
-            return path.split("/kernels/")[-1]
+            return path.split("/kernels/")[-1], place[1]
         place = inlined_at.get(place)
-    return "elsewhere"
+    return "elsewhere", 0
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) not in (3, 4):
         raise SystemExit(__doc__.split("\n\n")[1])
     lines = pathlib.Path(sys.argv[1]).read_text().splitlines()
+    only = sys.argv[3] if len(sys.argv) == 4 else None
     files = {int(number): path for number, path in
              (match.groups() for match in map(FILE.match, lines) if match)}
     times = {}
     for row in pathlib.Path(sys.argv[2]).read_text().splitlines():
         line, count = map(int, row.split())
         times[line] = count
-    counts, inlined_at, place = collections.Counter(), {}, None
+    counts, copies = collections.Counter(), collections.defaultdict(set)
+    inlined_at, place = {}, None
     for number, line in enumerate(lines, 1):
         if match := PLACE.match(line):
             words = [int(word) if word else None for word in match.groups()]
@@ -52,10 +54,18 @@ def main():
             else:
                 inlined_at.pop(place, None)
         elif times.get(number):
-            counts[source_of(place, inlined_at, files)] += times[number]
+            file, source_line = source_of(place, inlined_at, files)
+            key = file
+            if only is not None and pathlib.Path(file).name == only:
+                key = source_line
+                copies[key].add(times[number])
+            counts[key] += times[number]
     total = sum(counts.values())
-    for source, count in counts.most_common():
-        print(f"{count / total:7.2%}  {source}")
+    for key, count in counts.most_common():
+        if only is None:
+            print(f"{count / total:7.2%}  {key}")
+        elif key in copies:
+            print(f"{count / total:7.2%}  {only}:{key}  {sorted(copies[key], reverse=True)}")
 
 
 if __name__ == "__main__":

@@ -10,9 +10,9 @@ target_compile_options(ra2d_strict INTERFACE
 target_compile_options(ra2d_strict INTERFACE
   $<$<AND:$<COMPILE_LANG_AND_ID:CXX,GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-uninitialized;-Wno-maybe-uninitialized>)
 if(RA2D_SANITIZE)
-  # What a target is watched for. Only what knows the kernels' packs is watched for null pointers
-  # and for alignment as well (RA2D_ALL_SANITIZERS): a null pointer ends a program anyway, and these
-  # two are most of what all checks of undefined behaviour take to compile.
+  # What a target is watched for. Only the marches are watched for null pointers and for alignment
+  # as well (RA2D_ALL_SANITIZERS): a null pointer ends a program anyway, and these two are most of
+  # what all checks of undefined behaviour take to compile.
   define_property(TARGET PROPERTY RA2D_SANITIZERS INITIALIZE_FROM_VARIABLE RA2D_SANITIZERS)
   set(RA2D_ALL_SANITIZERS -fsanitize=address,undefined)
   set(RA2D_SANITIZERS ${RA2D_ALL_SANITIZERS} -fno-sanitize=null,alignment)
