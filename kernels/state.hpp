@@ -281,17 +281,26 @@ struct CellRun {
   std::int64_t ends;  // the tick of the step before which its contact ends
 };
 
-/// Form::adaptive, smooth faces: the stages of a step, and the motion over it
-/// (kernels/adaptive/smooth_step.hpp).
-struct StageBuffers {
-  double* velocity = nullptr;      // (stage, lane)
-  double* acceleration = nullptr;  // (stage, lane)
+/// Form::adaptive, smooth faces: a step by collocation, and the motion over it
+/// (kernels/adaptive/smooth_step.hpp). "points" are all but the first; see padded_points.
+struct PointBuffers {
+  double* velocity = nullptr;      // (point, lane)
+  double* acceleration = nullptr;  // (point, lane)
+  double* jerk = nullptr;          // rate of the accelerations at the beginning
   double* u = nullptr;             // (power of x, lane): the modes' displacement
   double* v = nullptr;             // (power of x, lane): their velocity
-  double* power = nullptr;         // W: (stage) of the imposed motion, (stage) of the moving forces
-  int* cells = nullptr;            // evaluated
-  double* force = nullptr;         // N, (cell, stage)
-  double* centre = nullptr;        // chi, (cell, stage): where it acts on the slider
+  double* u_at = nullptr;          // (mode, points)
+  double* v_at = nullptr;          // (mode, points)
+  double* a_at = nullptr;          // (mode, points)
+  double* force_at = nullptr;      // N m^(-1/2), (mode, points): of all but contact
+  double* contact_at = nullptr;    // N m^(-1/2), (mode, points): with contact, where there is any
+  double* u_before = nullptr;      // (mode, points): displacement by what the beginning tells
+  double* v_before = nullptr;      // (mode, points)
+  double* power = nullptr;  // W: (first point, points) of the imposed motion, then of moving forces
+  int* cells = nullptr;     // evaluated
+  double* force = nullptr;  // N, (cell, first point, points)
+  double* centre = nullptr;  // chi, (cell, first point, points): where it acts on the slider
+  double* ends = nullptr;    // of contact: (cell, side, 2, points)
   CellRun* runs = nullptr;
   int cell_count = 0, run_count = 0, listed = 0;
 };
@@ -325,7 +334,7 @@ struct WorkSpace {
   SeriesBuffers series;
   ClusterBuffers clusters;
   SquareBuffers squares;
-  StageBuffers stages;
+  PointBuffers points;
   ContactSpans spans;
   OnsetSearch search;
 };
@@ -453,15 +462,21 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("evaluated", s.search.evaluated, groups);
   }
   if (n.smooth) {
-    visit("stage_velocity", s.stages.velocity, formula_stages * lanes);
-    visit("stage_acceleration", s.stages.acceleration, formula_stages * lanes);
-    visit("motion_u", s.stages.u, motion_terms * lanes);
-    visit("motion_v", s.stages.v, motion_terms * lanes);
-    visit("stage_power", s.stages.power, std::size_t{2 * formula_stages});
-    visit("stage_cells", s.stages.cells, contacts);
-    visit("stage_force", s.stages.force, contacts * formula_stages);
-    visit("stage_centre", s.stages.centre, contacts * formula_stages);
-    visit("cell_runs", s.stages.runs, contacts);
+    const auto points = static_cast<std::size_t>(padded_points(n.width));
+    visit("point_velocity", s.points.velocity, collocation_points * lanes);
+    visit("point_acceleration", s.points.acceleration, collocation_points * lanes);
+    visit("jerk", s.points.jerk, lanes);
+    visit("motion_u", s.points.u, motion_terms * lanes);
+    visit("motion_v", s.points.v, motion_terms * lanes);
+    for (double** rows : {&s.points.u_at, &s.points.v_at, &s.points.a_at, &s.points.force_at,
+                          &s.points.contact_at, &s.points.u_before, &s.points.v_before})
+      visit("at_points", *rows, lanes * points);
+    visit("point_power", s.points.power, 2 * (1 + points));
+    visit("point_cells", s.points.cells, contacts);
+    visit("point_force", s.points.force, contacts * (1 + points));
+    visit("point_centre", s.points.centre, contacts * (1 + points));
+    visit("contact_ends", s.points.ends, contacts * 4 * points);
+    visit("cell_runs", s.points.runs, contacts);
   }
 }
 

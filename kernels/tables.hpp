@@ -102,11 +102,13 @@ inline constexpr int gauss_points = 8;
 /// Length of each of the rule's two rows, points and weights, padded for any number of lanes.
 inline constexpr int gauss_row = 32;
 
-/// Stages of the Runge-Kutta formula of an adaptive step between smooth faces, with those of its
-/// continuous output; the last of the step itself stands at its end.
-inline constexpr int formula_stages = 16, last_stage = 12;
+/// Points of an adaptive step between smooth faces at which the equations of motion hold: those of
+/// Lobatto's rule, the first at its beginning and the last at its end.
+inline constexpr int collocation_points = 9, last_point = collocation_points - 1;
+/// Lanes of a row of one number for each point but the first.
+constexpr int padded_points(int width) { return width > last_point ? width : last_point; }
 /// Terms of the motion over such a step, a polynomial.
-inline constexpr int motion_terms = 8;
+inline constexpr int motion_terms = collocation_points + 1;
 
 /// How the time of such a step, as a share of its length, follows from the x of its formula. A
 /// contact force grows from its onset on as (t - t_0)^1.5, and dies as (t_1 - t)^1.5. Of the square
@@ -118,17 +120,32 @@ enum class Pace : int {
 };
 inline constexpr int paces = 3;
 
-/// Rows of StageTables, for each pace, of a value for each stage. All but the places are weights
-/// of dy/dt, over the length of the step.
-enum StageRow : int {
-  stage_places,   // x of each stage
-  stage_weights,  // row i: of the stages before, for stage i
-  stage_fifth_order_error = stage_weights + formula_stages,  //
-  stage_third_order_error,                                   //
-  stage_output,                                              // row m: of x^m in y(x) - y(0)
-  stage_rows = stage_output + motion_terms
+/// Where the numbers of a pace stand in CollocationTables. With y' = f at the points and the
+/// polynomial through these f, the weights are of f, over the length of the step.
+///
+/// First rows of one number for each point but the first, padded for any number of lanes:
+inline constexpr int point_row = 32;
+inline constexpr int point_shares = 0;  // of the step's time
+/// row j: weights of f_j in y there,
+inline constexpr int velocity_columns = point_shares + point_row;
+/// and in the integral of y: those weights of these weights
+inline constexpr int displacement_columns = velocity_columns + collocation_points * point_row;
+/// Then rows of one number for each point:
+inline constexpr int first_collocation_row = displacement_columns + collocation_points * point_row;
+enum CollocationRow : int {
+  point_places,         // x of each point
+  barycentric_weights,  // of the polynomial through a value at each point
+  end_weights,          // in y(1) - y(0)
+  legendre_8,           // in f's coefficients in Legendre polynomials, of these degrees
+  legendre_7,           //
+  legendre_4,           //
+  legendre_3,           //
+  motion_weights,       // row m: in that of x^m in y(x) - y(0)
+  collocation_rows = motion_weights + motion_terms
 };
-inline constexpr int pace_numbers = stage_rows * formula_stages;
+constexpr int collocation_row(int row) { return first_collocation_row + row * collocation_points; }
+inline constexpr int pace_numbers =
+    (collocation_row(collocation_rows) + point_row - 1) / point_row * point_row;
 
 /// Nodes of a tile along a row, but for lanes that are more, and rows of one.
 inline constexpr int tile_nodes = 32, tile_rows = 8;
@@ -375,8 +392,8 @@ struct FlightTables {
 
 /// The steps of the adaptive scheme in contact between smooth faces
 /// (kernels/adaptive/smooth_step.hpp).
-struct StageTables {
-  const double* paces = nullptr;  // (Pace, StageRow, stage)
+struct CollocationTables {
+  const double* paces = nullptr;  // (Pace): CollocationRow and what follows it
 };
 
 struct MovingForces {
@@ -407,7 +424,7 @@ struct SceneTables {
   SeriesTables adaptive;
   ClusterTables clusters;
   FlightTables flight;
-  StageTables stages;
+  CollocationTables collocation;
   MovingForces forces;
   RecordTables output;
   const int* interrupted = nullptr;  // of host backends: not 0 when the launch is to end soon
@@ -457,7 +474,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   if (n.cluster_degree > 0) visit("cluster_remainder", t.clusters.remainder, lanes);
   visit("hull", t.adaptive.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
   visit("gauss", t.adaptive.gauss, std::size_t{2 * gauss_row});
-  if (n.smooth) visit("stages", t.stages.paces, std::size_t{paces * pace_numbers});
+  if (n.smooth) visit("collocation", t.collocation.paces, std::size_t{paces * pace_numbers});
 }
 /// Then those of a scene's own.
 template <class Visit>

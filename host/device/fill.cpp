@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/device/collocation_tables.hpp"
 #include "host/device/flight_tables.hpp"
 #include "host/device/gauss.hpp"
-#include "host/device/stage_tables.hpp"
 #include "host/model/bounds.hpp"
 #include "host/model/step_bounds.hpp"
 #include "host/scene/schemes.hpp"
@@ -490,7 +490,7 @@ void Filler::adaptive() {
   std::copy_n(gauss_place, gauss_points, gauss);
   std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
   fill_hull(host_(tables_.adaptive.hull), tables_.adaptive.order + 3);
-  if (n_.smooth) fill_stages(host_(tables_.stages.paces));
+  if (n_.smooth) fill_collocation(host_(tables_.collocation.paces));
 }
 
 /// Shapes across the bodies about even rows, and what polynomials leave out of shapes. After the

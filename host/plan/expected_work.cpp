@@ -20,13 +20,14 @@ namespace {
 /// another. Otherwise the fastest mode and the contacts set them.
 double steps_a_second(const Scene& scene, double highest, double nodes_in_contact) {
   const double radians = 2 * M_PI * highest;
-  if (scene.faces == Faces::smooth)  // a formula of order 8
+  if (scene.faces == Faces::smooth)
     return step_costs::smooth_steps_a_radian * radians *
            (scene.kind == SceneKind::areal
                 ? step_costs::row_smooth_steps +
                       step_costs::row_smooth_steps_more * nodes_in_contact
                 : 1.0) *
-           std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance), 1.0 / 9);
+           std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
+                    1.0 / step_costs::smooth_order);
   const double a_crossing =
       nodes_in_contact > 1 ? step_costs::steps_a_wide_crossing : step_costs::steps_a_crossing;
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;

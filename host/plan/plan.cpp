@@ -191,7 +191,8 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const auto pressed = [&](int nodes) {
     if (model.is_areal && smooth) {
       const double touching = usual_of(model, nodes);
-      return step_costs::smooth_steps_a_radian * fastest * std::pow(1e-6 / tolerance, 1.0 / 9) *
+      return step_costs::smooth_steps_a_radian * fastest *
+             std::pow(1e-6 / tolerance, 1.0 / step_costs::smooth_order) *
              (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
              (step_costs::row_groups +
               step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
@@ -346,7 +347,7 @@ std::string steps_text(const Scene& scene, const Plan& plan) {
 std::string adaptive_text(const Scene& scene) {
   const char* const contacts =
       scene.faces == Faces::smooth
-          ? "           a Runge-Kutta formula of order 8, in steps as long as that allows\n"
+          ? "           collocation of order 16, in steps as long as that allows\n"
           : "           Taylor series as long as that allows, from where each begins to where it "
             "ends\n";
   return fmt::format(

@@ -18,9 +18,9 @@ int numerics_version_of(const Scene& scene) {
     return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
                ? 3
                : numerics_version;
-  // smooth faces: cells that are expected to stay open are left out of a step; areal scenes: nodes
-  // in contact are gathered in clusters
-  return scene.faces == Faces::smooth || scene.kind == SceneKind::areal ? 3 : numerics_version;
+  if (scene.faces == Faces::smooth) return 4;  // collocation
+  // nodes in contact are gathered in clusters
+  return scene.kind == SceneKind::areal ? 3 : numerics_version;
 }
 
 std::string run_key(const Model& model) {

@@ -26,7 +26,7 @@
 ///   drive  contact of nodes, moving forces: a power series whose length the error control chooses
 ///          (kernels/adaptive/series.hpp), with the same nodes in contact from beginning to end
 ///   drive_on_smooth_faces
-///          contact between smooth faces: a Runge-Kutta formula (kernels/adaptive/smooth_drive.hpp)
+///          contact between smooth faces: collocation (kernels/adaptive/smooth_drive.hpp)
 ///
 /// A step ends at the latest where a node passes another (straight faces have a kink there), and
 /// where a contact begins or, of nodes, ends. That none begins unseen is proved, not sampled
@@ -444,10 +444,11 @@ class AdaptiveMarch {
     using Drive = SmoothDrive<Lanes, packs>;
     CarriedState& carried = state_.carried;
     WorkSpace& work = state_.work;
-    SmoothStep<Lanes, packs> step(lanes_, tables_.modes, tables_.motion, tables_.adaptive,
-                                  tables_.forces, tables_.stages, node_contact(), work.contact_list,
-                                  work.series.forces, carried.control.series_scale, now_, place,
-                                  work.stages);
+    SmoothStep<Lanes, packs> step(
+        lanes_, tables_.modes, tables_.motion, tables_.faces, tables_.slider, tables_.adaptive,
+        tables_.forces, tables_.contact, tables_.collocation, node_contact(),
+        {lanes_, state_.marks, state_.caches}, work.contact_list, work.series.forces,
+        carried.control.series_scale, now_, place, work.points);
     Drive make_step(lanes_, tables_.modes, tables_.motion, tables_.bounds, tables_.faces,
                     tables_.adaptive, tables_.forces, path_, node_contact(), moving_forces_,
                     overlaps_, contacts_, recorder_, step, carried.contacts, carried.control,

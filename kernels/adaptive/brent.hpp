@@ -2,13 +2,15 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/contact/cell_contact.hpp"
+
 namespace ra2d {
 
-/// The largest f(x) on [from, to], where f has one maximum; by parabolas through three values, and
-/// golden sections where these do not close in (Brent 1973, chapter 5). The place is right to some
-/// 1e-4 of the interval, the value so to 1e-8 of its change.
+/// The largest f(x) on [from, to], where f has one maximum, and its place; by parabolas through
+/// three values, and golden sections where these do not close in (Brent 1973, chapter 5). The place
+/// is right to some 1e-4 of the interval, the value so to 1e-8 of its change.
 template <class Function>
-KOKKOS_INLINE_FUNCTION double highest_between(double from, double to, const Function& f) {
+KOKKOS_INLINE_FUNCTION Highest highest_between(double from, double to, const Function& f) {
   constexpr double golden = 0.3819660112501051;
   const double close = 1e-4 * (to - from);
   double x = from + golden * (to - from), w = x, v = x;
@@ -56,7 +58,7 @@ KOKKOS_INLINE_FUNCTION double highest_between(double from, double to, const Func
       }
     }
   }
-  return fx;
+  return {fx, x};
 }
 
 }  // namespace ra2d

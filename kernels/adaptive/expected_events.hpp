@@ -38,11 +38,10 @@ class ExpectedEvents {
   /// The first of each within `horizon` [s], in the listed cells. `force`: at the beginning, of
   /// each listed cell, one every `apart` numbers. Runs of cells are taken as one contact.
   /// `stays_open` becomes 1 for each listed cell that is open and will be for a quarter longer,
-  /// else 0.
+  /// else 0. `third` becomes the third derivative of the modes' displacement.
   RA2D_FUNCTION Times operator()(const Real* u, const Real* v, const Real* acceleration,
                                  const int* cells, int count, const double* force, int apart,
-                                 double horizon, int* stays_open) const {
-    Real third[packs];
+                                 double horizon, int* stays_open, Real* third) const {
     third_derivative(u, v, acceleration, cells, count, force, apart, third);
     Times times;
     for (int e = 0; e < count;) {

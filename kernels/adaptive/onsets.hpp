@@ -67,7 +67,12 @@ struct PolynomialMotion {
   struct Bounds {
     double travel;     // m: sum max|psi| |U - U_0|
     double curvature;  // m per x^2: on the second derivative of their displacement
-    double remainder;  // m: of the cubic through their displacement and its rate at both ends
+    // m: of the cubic through their displacement and its rate at both ends, from the fourth
+    // derivative and from the second
+    double of_fourth, of_second;
+    RA2D_FUNCTION double remainder() const { return of_fourth + of_second; }
+    /// Over one half.
+    RA2D_FUNCTION double half_remainder() const { return of_fourth / 16.0 + of_second / 4.0; }
   };
   /// The remainder of the modes at a fixed place is 1/384 of their fourth derivative. What the
   /// place moves by is little; of a function with a bounded second derivative alone, the cubic is
@@ -102,8 +107,8 @@ struct PolynomialMotion {
     lanes.sum(travel, still, of_travel, of_still);
     lanes.sum(moving, fourth_derivative, of_moving, of_fourth_derivative);
     const double square = most * most;
-    return {of_travel, of_still + of_moving,
-            square * (square * of_fourth_derivative / 384.0 + of_moving / 3.0)};
+    return {of_travel, of_still + of_moving, square * square * of_fourth_derivative / 384.0,
+            square * of_moving / 3.0};
   }
 };
 

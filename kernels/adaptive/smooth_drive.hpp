@@ -37,6 +37,7 @@ class SmoothDrive {
   using Motion = PolynomialMotion<Lanes, packs>;
   using Course = typename SmoothStep<Lanes, packs>::Course;
   static constexpr int width = Lanes::width;
+  static constexpr int points = 1 + padded_points(width);  // of a cell's numbers
 
  public:
   RA2D_FUNCTION SmoothDrive(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
@@ -65,7 +66,7 @@ class SmoothDrive {
         set_{set},
         control_{control},
         shocks_{shocks},
-        stages_{work.stages},
+        points_{work.points},
         list_{work.contact_list},
         runs_{work.runs},
         ended_{ended},
@@ -79,6 +80,9 @@ class SmoothDrive {
     bool is_valid = false;
     double energy = 0.0;  // J, of the springs
   };
+
+  /// Errors of what is recorded do not add up from step to step.
+  static constexpr double recorded_share = 0.1;
 
   enum class Outcome { made, full, crowded, not_finite, stalled };
 
@@ -109,7 +113,7 @@ class SmoothDrive {
     double next = 0.0;  // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
-      find_runs(1.0, last_stage);
+      find_runs(1.0, last_point);
       const auto errors = step_.errors();
       Course course = Course::smooth;
       if (any_begins_or_ends())
@@ -129,16 +133,18 @@ class SmoothDrive {
       // a step graded towards a release that is where it should be
       if (pace == Pace::to_release && released > 0.99 && released <= 1.0 && !any_begins())
         course = Course::graded;
-      const double error = errors.of(course);
       const bool onset = first <= 1.0;
+      // the motion within the step is what goes on from an onset, and else what is recorded
+      const double error =
+          Kokkos::max(errors.of(course), (onset ? 1.0 : recorded_share) * errors.inside());
       if (error <= 1.0) {
-        const double growth = error > 0.0 ? Kokkos::min(4.0, errors.factor(course)) : 4.0;
+        const double growth = error > 0.0 ? Kokkos::min(4.0, errors.factor(course, error)) : 4.0;
         next = growth * static_cast<double>(ticks) * motion_.time_step;
         if (cut || pace != Pace::even || course == Course::kinked)
           next = Kokkos::max(next, control_.series_scale);
         return keep(now, tick, place, ticks, onset, first, next, start);
       }
-      const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course)) : 0.2;
+      const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course, error)) : 0.2;
       cut = shorten(ticks, pace, factor, onset ? first : 3.0, released);
       if (ticks < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
     }
@@ -191,7 +197,7 @@ class SmoothDrive {
   ContactSet& set_;
   StepControl& control_;
   ShockTracking& shocks_;
-  StageBuffers& stages_;
+  PointBuffers& points_;
   ContactList& list_;
   RunBuffer& runs_;
   ShockBuffer& ended_;
@@ -209,13 +215,14 @@ class SmoothDrive {
   /// expected to stay open. Should contact begin in one of these, search() finds it.
   RA2D_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
                           bool& cut) {
-    Real acceleration[packs];
+    Real acceleration[packs], jerk[packs];
     step_.acceleration(acceleration);
     const double whole = static_cast<double>(ticks);
     const auto times =
         ExpectedEvents<Lanes, packs>(lanes_, modes_, motion_, adaptive_, node_contact_, place)(
-            now.u, now.v, acceleration, stages_.cells, cells_, stages_.force, formula_stages,
-            whole * motion_.time_step, listed_);
+            now.u, now.v, acceleration, points_.cells, cells_, points_.force, points,
+            whole * motion_.time_step, listed_, jerk);
+    step_.keep_jerk(jerk);
     leave_out_open();
     double end = whole;
     const double onset = times.onset / motion_.time_step,
@@ -246,13 +253,13 @@ class SmoothDrive {
     int kept = 0;
     for (int e = 0; e < cells_; ++e) {
       if (listed_[e] != 0) continue;
-      if (lanes_.leader()) stages_.cells[kept] = stages_.cells[e];
+      if (lanes_.leader()) points_.cells[kept] = points_.cells[e];
       ++kept;
     }
     lanes_.sync();
     if (kept == cells_) return;
     cells_ = kept;
-    if (lanes_.leader()) stages_.cell_count = cells_;
+    if (lanes_.leader()) points_.cell_count = cells_;
     step_.keep_start(cells_);
   }
 
@@ -260,11 +267,11 @@ class SmoothDrive {
   RA2D_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
                                    std::int64_t ticks, Start& start) {
     if (start.is_valid) {
-      step_.take_start(stages_.cell_count, start.energy);
+      step_.take_start(points_.cell_count, start.energy);
       start.is_valid = false;
     } else {
-      cells_ = overlaps_.list_contacts(stages_.cells, capacity_);
-      if (cells_ < 0 || !node_contact_.expand(place, stages_.cells, cells_))
+      cells_ = overlaps_.list_contacts(points_.cells, capacity_);
+      if (cells_ < 0 || !node_contact_.expand(place, points_.cells, cells_))
         return Outcome::crowded;
       step_.evaluate_start(cells_);
     }
@@ -283,10 +290,10 @@ class SmoothDrive {
     overlaps_.find_groups(place, now, expected, rise, available - ticks);
     overlaps_.select(now.u, expected, rise);
     overlaps_.evaluate_start(place, now);
-    cells_ = overlaps_.list_likely(place, now.u, expected, time, a, rise, stages_.cells, capacity_);
-    if (cells_ < 0 || !node_contact_.expand(place, stages_.cells, cells_)) return Outcome::crowded;
+    cells_ = overlaps_.list_likely(place, now.u, expected, time, a, rise, points_.cells, capacity_);
+    if (cells_ < 0 || !node_contact_.expand(place, points_.cells, cells_)) return Outcome::crowded;
     lanes_.sync();
-    if (lanes_.leader()) stages_.cell_count = cells_;
+    if (lanes_.leader()) points_.cell_count = cells_;
     step_.keep_start(cells_);
     return Outcome::made;
   }
@@ -308,7 +315,7 @@ class SmoothDrive {
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
     const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
     if (!overlaps_.has_room(flagged)) return -1.0;
-    find_runs(1.0, formula_stages - 1);
+    find_runs(1.0, last_point);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
     const double tolerance = overlaps_.overlap_rounding(now.u);
@@ -316,9 +323,19 @@ class SmoothDrive {
     motion.at(lanes_, 0.0, u0, rate0);
     motion.at(lanes_, 1.0, u1, rate1);
     const Place end_place = motion.place_at(place, 1.0);
-    flagged_ = overlaps_.keep_close(
-        {place, u0, rate0, motion.slide_rate(0.0)}, {end_place, u1, rate1, motion.slide_rate(1.0)},
-        flagged_, b.remainder, motion.most_slide_rate(), motion.change_of_slide_rate(), tolerance);
+    using End = typename Overlaps<Lanes, packs>::End;
+    const End from{place, u0, rate0, motion.slide_rate(0.0)},
+        to{end_place, u1, rate1, motion.slide_rate(1.0)};
+    const double most_rate = motion.most_slide_rate(), change = motion.change_of_slide_rate();
+    flagged_ =
+        overlaps_.keep_close(from, to, flagged_, b.remainder(), most_rate, change, tolerance);
+    if (flagged_ > 0 && overlaps_.has_room(flagged_)) {
+      Real u[packs], rate[packs];
+      motion.at(lanes_, 0.5, u, rate);
+      const Place middle = motion.place_at(place, 0.5);
+      flagged_ = overlaps_.keep_close(from, {middle, u, rate, motion.slide_rate(0.5)}, to, flagged_,
+                                      b.half_remainder(), most_rate, change, tolerance);
+    }
     if (flagged_ == 0) return 3.0;
     if (!overlaps_.has_room(flagged_)) return -1.0;
     return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
@@ -347,7 +364,7 @@ class SmoothDrive {
       end = step_.end();
     } else {
       step_.state(x, end.u, end.v);
-      find_runs(pace_share(step_.pace(), x), formula_stages - 1);
+      find_runs(pace_share(step_.pace(), x), last_point);
     }
     const auto weights = step_.weights(x);
     step_.squares(weights, end.square);
@@ -392,8 +409,8 @@ class SmoothDrive {
     int listed = flagged_, at = 0;
     for (int e = 0; e < set_.count; ++e) {
       const int cell = set_.nodes[e];
-      while (stages_.cells[at] < cell) ++at;  // all of the set are evaluated
-      if (x == 1.0 && stages_.force[at * formula_stages + last_stage] > 0.0) continue;
+      while (points_.cells[at] < cell) ++at;  // all of the set are evaluated
+      if (x == 1.0 && points_.force[at * points + last_point] > 0.0) continue;
       double ignored;
       const double highest =
           node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored);
@@ -411,31 +428,31 @@ class SmoothDrive {
 
   // ---- runs of cells in contact
 
-  /// Finds the runs of cells in contact at any stage up to `last`, and up to a share of the step's
+  /// Finds the runs of cells in contact at any point up to `last`, and up to a share of the step's
   /// time.
   RA2D_FUNCTION void find_runs(double share, int last) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int count = 0;
       for (int e = 0; e < cells_; ++e) {
-        const double* force = stages_.force + e * formula_stages;
+        const double* force = points_.force + e * points;
         bool touched = false;
         for (int i = 0; i <= last; ++i)
           touched = touched || (force[i] > 0.0 && step_.share(i) <= share);
         if (!touched) continue;
-        const int cell = stages_.cells[e];
-        if (count == 0 || stages_.runs[count - 1].last != cell - 1)
-          stages_.runs[count++] = {cell, cell, false, false, 0};
-        CellRun& run = stages_.runs[count - 1];
+        const int cell = points_.cells[e];
+        if (count == 0 || points_.runs[count - 1].last != cell - 1)
+          points_.runs[count++] = {cell, cell, false, false, 0};
+        CellRun& run = points_.runs[count - 1];
         run.last = cell;
-        run.at_end = run.at_end || force[last_stage] > 0.0;
+        run.at_end = run.at_end || force[last_point] > 0.0;
       }
       for (int r = 0, c = 0; r < count; ++r) {
-        CellRun& run = stages_.runs[r];
+        CellRun& run = points_.runs[r];
         while (c < set_.count && set_.nodes[c] < run.first - 1) ++c;
         run.grown = c < set_.count && set_.nodes[c] <= run.last + 1;
       }
-      stages_.run_count = count;
+      points_.run_count = count;
     }
     lanes_.sync();
   }
@@ -447,78 +464,72 @@ class SmoothDrive {
       int kept = 0, c = 0, r = 0, at = 0;
       for (int e = 0; e < flagged; ++e) {
         const int cell = listed_[e];
-        while (at < cells_ && stages_.cells[at] < cell) ++at;
-        if (at == cells_ || stages_.cells[at] != cell) {
+        while (at < cells_ && points_.cells[at] < cell) ++at;
+        if (at == cells_ || points_.cells[at] != cell) {
           listed_[kept++] = cell;
           continue;
         }
         while (c < set_.count && set_.nodes[c] < cell - 1) ++c;
         if (c < set_.count && set_.nodes[c] <= cell + 1) continue;
-        while (r < stages_.run_count && (stages_.runs[r].last < cell - 1 || !stages_.runs[r].grown))
+        while (r < points_.run_count && (points_.runs[r].last < cell - 1 || !points_.runs[r].grown))
           ++r;
-        if (r < stages_.run_count && stages_.runs[r].first <= cell + 1) continue;
+        if (r < points_.run_count && points_.runs[r].first <= cell + 1) continue;
         listed_[kept++] = cell;
       }
-      stages_.listed = kept;
+      points_.listed = kept;
     }
     lanes_.sync();
-    return stages_.listed;
+    return points_.listed;
   }
 
-  /// The largest overlap in a run of cells and beside it, at x [m].
-  RA2D_FUNCTION double highest_overlap(const Place& place, const CellRun& run, double x) const {
+  /// The largest overlap in a run of cells and beside it, at x [m], and its rate [m per x].
+  struct RunOverlap {
+    double value, rate;
+  };
+  RA2D_FUNCTION RunOverlap highest_overlap(const Place& place, const CellRun& run, double x) const {
     const Motion motion = step_.motion(1.0);
     Real u[packs], rate[packs];
     motion.at(lanes_, x, u, rate);
     const Place there = motion.place_at(place, x);
-    double highest = -1e300, ignored;
+    RunOverlap highest{-1e300, 0.0};
     for (int e = 0; e < cells_; ++e) {
-      const int cell = stages_.cells[e];
+      const int cell = points_.cells[e];
       if (cell < run.first - 1 || cell > run.last + 1) continue;
-      highest = Kokkos::max(
-          highest,
-          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(ignored));
+      double rate_there;
+      const double value =
+          node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(rate_there);
+      if (value > highest.value) highest = {value, rate_there};
     }
     return highest;
   }
-  /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`.
+  /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`, by
+  /// Newton's method, halving where it leaves what is left.
   RA2D_FUNCTION double release(const Place& place, const CellRun& run, double end,
                                double closeness) const {
     double low = 0.0, high = end;
-    double of_low = highest_overlap(place, run, low), of_high = highest_overlap(place, run, high);
-    if (!(of_low > 0.0) ||
-        !(of_high < 0.0)) {  // it begins here, or is free by no more than roundings
-      of_low = Kokkos::max(of_low, 0.0);
-      if (!(of_high < 0.0)) return end;
+    const RunOverlap at_end = highest_overlap(place, run, high);
+    if (!(at_end.value < 0.0)) return end;                  // free by no more than roundings
+    if (!(highest_overlap(place, run, low).value > 0.0)) {  // it begins here
       low = 0.02 * end;
-      of_low = highest_overlap(place, run, low);
-      if (!(of_low > 0.0)) return low;
+      if (!(highest_overlap(place, run, low).value > 0.0)) return low;
     }
-    int side = 0;
+    double x = high - at_end.value / at_end.rate;
     for (int i = 0; i < 60 && high - low > closeness; ++i) {
-      double x = low + (high - low) * (of_low / (of_low - of_high));
       if (!(x > low && x < high)) x = 0.5 * (low + high);
-      const double value = highest_overlap(place, run, x);
-      if (value > 0.0) {
-        low = x;
-        of_low = value;
-        if (side == 1) of_high *= 0.5;
-        side = 1;
-      } else {
-        high = x;
-        of_high = value;
-        if (value == 0.0) break;
-        if (side == -1) of_low *= 0.5;
-        side = -1;
-      }
+      const RunOverlap there = highest_overlap(place, run, x);
+      (there.value > 0.0 ? low : high) = x;
+      if (there.value == 0.0) break;
+      const double step = there.value / there.rate;
+      // so near that the root is bracketed by going on a little beyond it
+      x -= step + Kokkos::copysign(0.5 * closeness, step);
     }
     return high;
   }
   /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
   RA2D_FUNCTION double first_release(const Place& place) const {
     double first = 3.0;
-    for (int r = 0; r < stages_.run_count; ++r) {
-      const CellRun run = stages_.runs[r];
+    for (int r = 0; r < points_.run_count; ++r) {
+      const CellRun run = points_.runs[r];
       if (run.grown && !run.at_end) first = Kokkos::min(first, release(place, run, 1.0, 1e-6));
     }
     return first;
@@ -527,13 +538,13 @@ class SmoothDrive {
   /// Whether a run begins within the step.
   RA2D_FUNCTION bool any_begins() const {
     bool any = false;
-    for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].grown;
+    for (int r = 0; r < points_.run_count; ++r) any = any || !points_.runs[r].grown;
     return any;
   }
   /// Whether a run begins or ends within the step.
   RA2D_FUNCTION bool any_begins_or_ends() const {
     bool any = any_begins();
-    for (int r = 0; r < stages_.run_count; ++r) any = any || !stages_.runs[r].at_end;
+    for (int r = 0; r < points_.run_count; ++r) any = any || !points_.runs[r].at_end;
     return any;
   }
 
@@ -545,11 +556,11 @@ class SmoothDrive {
                                         double x,
                                         const typename SmoothStep<Lanes, packs>::Weights& weights) {
     keep_contacts_at_end(x);
-    const int runs = stages_.run_count;
+    const int runs = points_.run_count;
     std::int64_t last_end = 0;
     int grown = 0;
     for (int r = 0; r < runs; ++r) {
-      const CellRun run = stages_.runs[r];
+      const CellRun run = points_.runs[r];
       if (!run.grown) continue;
       ++grown;
       std::int64_t ends = ticks;
@@ -563,7 +574,7 @@ class SmoothDrive {
       }
       if (ends > last_end) last_end = ends;
       lanes_.sync();
-      if (lanes_.leader()) stages_.runs[r].ends = ends;
+      if (lanes_.leader()) points_.runs[r].ends = ends;
       lanes_.sync();
     }
     if (grown == 0) {  // an onset that came to nothing
@@ -577,7 +588,7 @@ class SmoothDrive {
       std::int64_t to = ticks;
       bool any_ends = false;
       for (int r = 0; r < runs; ++r) {
-        const CellRun run = stages_.runs[r];
+        const CellRun run = points_.runs[r];
         if (!run.grown || run.at_end || run.ends <= from) continue;
         any_ends = true;
         if (run.ends < to) to = run.ends;
@@ -602,9 +613,9 @@ class SmoothDrive {
   }
   RA2D_FUNCTION bool any_ends_after(std::int64_t from) const {
     bool any = false;
-    for (int r = 0; r < stages_.run_count; ++r)
+    for (int r = 0; r < points_.run_count; ++r)
       any =
-          any || (stages_.runs[r].grown && !stages_.runs[r].at_end && stages_.runs[r].ends > from);
+          any || (points_.runs[r].grown && !points_.runs[r].at_end && points_.runs[r].ends > from);
     return any;
   }
 
@@ -616,19 +627,19 @@ class SmoothDrive {
     lanes_.sync();
     if (lanes_.leader()) {
       int count = 0;
-      for (int r = 0; r < stages_.run_count; ++r) stages_.runs[r].at_end = false;
+      for (int r = 0; r < points_.run_count; ++r) points_.runs[r].at_end = false;
       const auto keep = [&](int cell) {
         for (int e = 0; e < flagged_; ++e)  // what begins here is taken in later
           if (listed_[e] == cell && onsets_[e] <= 1.0) return;
-        for (int r = 0; r < stages_.run_count; ++r) {
-          CellRun& run = stages_.runs[r];
+        for (int r = 0; r < points_.run_count; ++r) {
+          CellRun& run = points_.runs[r];
           if (run.grown && cell >= run.first - 1 && cell <= run.last + 1) run.at_end = true;
         }
         set_.nodes[count++] = cell;
       };
       if (whole) {
         for (int e = 0; e < cells_; ++e)
-          if (stages_.force[e * formula_stages + last_stage] > 0.0) keep(stages_.cells[e]);
+          if (points_.force[e * points + last_point] > 0.0) keep(points_.cells[e]);
       } else {
         for (int e = 0; e < listed; ++e) keep(list_.nodes[e]);
       }
@@ -643,16 +654,15 @@ class SmoothDrive {
                               const typename SmoothStep<Lanes, packs>::Weights& weights) const {
     int count = 0, r = 0;
     for (int e = 0; e < cells_; ++e) {
-      const int cell = stages_.cells[e];
-      while (r < stages_.run_count && stages_.runs[r].last < cell) ++r;
-      if (r == stages_.run_count || stages_.runs[r].first > cell) continue;
-      const CellRun& run = stages_.runs[r];
+      const int cell = points_.cells[e];
+      while (r < points_.run_count && points_.runs[r].last < cell) ++r;
+      if (r == points_.run_count || points_.runs[r].first > cell) continue;
+      const CellRun& run = points_.runs[r];
       if (!run.grown || (!run.at_end && run.ends <= from)) continue;
       double impulse = 0.0, moment = 0.0;
       if (from == 0) {
-        const double *force = stages_.force + e * formula_stages,
-                     *centre = stages_.centre + e * formula_stages;
-        for (int i = 0; i < formula_stages; ++i) {
+        const double *force = points_.force + e * points, *centre = points_.centre + e * points;
+        for (int i = 0; i < collocation_points; ++i) {
           const double share = weights.of[i] * step_.ticks() * force[i];
           const double travelled = motion_.advance * step_.ticks() * step_.share(i);
           impulse += share;
@@ -679,30 +689,25 @@ class SmoothDrive {
   RA2D_FUNCTION void add_peaks(double x) const {
     const double share = pace_share(step_.pace(), x);
     for (int i = 0; i < shocks_.open_count; ++i) {
-      // the stages show where to look
-      double highest = 0.0, at = 0.0;
-      for (int s = 0; s <= last_stage; ++s) {
-        if (step_.share(s) > share) continue;
-        double force = 0.0;
+      // between the points, the polynomial through their forces shows where
+      double force[collocation_points], highest = 0.0;
+      int top = 0;
+      for (int s = 0; s <= last_point; ++s) {
+        force[s] = 0.0;
         for (int e = 0; e < cells_; ++e)
-          if (belongs(i, stages_.cells[e])) force += stages_.force[e * formula_stages + s];
-        if (force > highest) {
-          highest = force;
-          at = pace_x(step_.pace(), step_.share(s));
-        }
+          if (belongs(i, points_.cells[e])) force[s] += points_.force[e * points + s];
+        if (step_.share(s) > share || force[s] <= highest) continue;
+        highest = force[s];
+        top = s;
       }
       if (!(1.02 * highest > shocks_.open[i].peak)) continue;
-      const auto force_at = [&](double place) { return force_of(i, place); };
-      const double near = 1e-3 * x;
+      const auto between = [&](double place) { return step_.between(force, place); };
+      Highest found =
+          highest_between(top > 0 ? step_.place(top - 1) : 0.0,
+                          top < last_point ? Kokkos::min(x, step_.place(top + 1)) : x, between);
+      if (x < 1.0) found.take(between(x), x);
       double most = highest;
-      if (at >= x && force_at(x - near) <= (most = force_at(x))) {
-        // it rises to the end
-      } else if (at <= 0.0 && force_at(near) <= (most = force_at(0.0))) {
-        // it falls from the beginning
-      } else {
-        most = highest_between(Kokkos::max(0.0, at - 0.15 * x), Kokkos::min(x, at + 0.15 * x),
-                               force_at);
-      }
+      if (found.value > highest) most = Kokkos::max(most, force_of(i, found.place));
       lanes_.sync();
       if (lanes_.leader() && most > shocks_.open[i].peak) shocks_.open[i].peak = most;
       lanes_.sync();

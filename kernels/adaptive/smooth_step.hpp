@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 #include <cstdint>
 
+#include "kernels/adaptive/collocation.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/onsets.hpp"
 #include "kernels/adaptive/pace.hpp"
@@ -18,35 +19,40 @@ namespace ra2d {
 
 /// A step of the modes in contact between smooth faces. The force of a contact is no polynomial of
 /// the time, so its motion has no power series as that of nodes (kernels/adaptive/series.hpp). It
-/// is smooth all the same, but for the onset and the release: a Runge-Kutta formula of order 8,
-///
-///   U_i = U_0 + h sum_j a_ij V_j,   V_i = V_0 + h sum_j a_ij A_j,   A = force/m - 2 zeta omega V -
-///   omega^2 U,
-///
-/// whose stages stand at even shares of the time or, next to an onset or a release, closer there
-/// (Pace, kernels/tables.hpp). Its continuous output gives the motion over the whole step as a
-/// polynomial of x; whatever is integrated over the step has the same weights.
+/// is smooth all the same, but for the onset and the release: the equations of motion hold at the
+/// nine points of Lobatto's rule over the step (CollocationSweeps), a formula of order 16. The
+/// points stand at shares of the time or, next to an onset or a release, closer there (Pace,
+/// kernels/tables.hpp). The polynomial through them is the motion over the whole step; whatever is
+/// integrated over the step has the same weights.
 template <class Lanes, int packs>
 class SmoothStep {
   using Real = typename Lanes::Real;
   using Modes = ModalState<Lanes, packs>;
   static constexpr int width = Lanes::width, row = packs * width;
+  static constexpr int points = 1 + padded_points(width);  // of a cell's numbers
+  static constexpr int most_sweeps = 24;
 
  public:
   /// Steps from `now` at `place` on. The moving forces' series are in units of `force_scale` [s].
   RA2D_FUNCTION SmoothStep(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+                           const FaceTables& faces, const SliderShapes& slider,
                            const SeriesTables& adaptive, const MovingForces& forces,
-                           const StageTables& stages, const NodeContact<Lanes, packs>& node_contact,
-                           ContactList& contact_list, const double* force_series,
-                           double force_scale, const Modes& now, const Place& place,
-                           StageBuffers& buffers)
+                           const ContactTables& contact, const CollocationTables& collocation,
+                           const NodeContact<Lanes, packs>& node_contact,
+                           const ExpandedCells<Lanes, packs>& expanded, ContactList& contact_list,
+                           const double* force_series, double force_scale, const Modes& now,
+                           const Place& place, PointBuffers& buffers)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
         adaptive_{adaptive},
         forces_{forces},
-        stages_{stages},
+        collocation_{collocation},
         node_contact_{node_contact},
+        sweeps_{lanes,   modes,    motion,
+                faces,   slider,   adaptive,
+                contact, expanded, contact_list.cell_parts,
+                buffers},
         contact_list_{contact_list},
         force_series_{force_series},
         force_scale_{force_scale},
@@ -54,7 +60,7 @@ class SmoothStep {
         start_{place},
         buffers_{buffers} {}
 
-  /// Finds the forces at the beginning, in the listed cells (StageBuffers::cells).
+  /// Finds the forces at the beginning, in the listed cells (PointBuffers::cells).
   RA2D_FUNCTION void evaluate_start(int cells) {
     cells_ = cells;
     const ContactTotals<Real> totals = evaluate(0, start_, now_.u, now_.v, 0.0);
@@ -66,25 +72,25 @@ class SmoothStep {
   /// it is the same state in the same window, so they have the same bits.
   RA2D_FUNCTION void take_start(int cells, double energy) {
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const int from = last_stage * row + p * width, to = p * width;
+      const int from = last_point * row + p * width, to = p * width;
       lanes_.store(buffers_.velocity + to, lanes_.load(buffers_.velocity + from));
       lanes_.store(buffers_.acceleration + to, lanes_.load(buffers_.acceleration + from));
     }
     int count = 0;
     for (int e = 0; e < cells; ++e) {
-      const double force = buffers_.force[e * formula_stages + last_stage];
+      const double force = buffers_.force[e * points + last_point];
       if (!(force > 0.0)) continue;
       if (lanes_.leader()) {
         contact_list_.nodes[count] = buffers_.cells[e];
         contact_list_.forces[count] = force;
-        contact_list_.centres[count] = buffers_.centre[e * formula_stages + last_stage];
+        contact_list_.centres[count] = buffers_.centre[e * points + last_point];
       }
       ++count;
     }
     lanes_.sync();
     if (lanes_.leader()) {
-      buffers_.power[0] = buffers_.power[last_stage];
-      buffers_.power[formula_stages] = buffers_.power[formula_stages + last_stage];
+      buffers_.power[0] = buffers_.power[last_point];
+      buffers_.power[points] = buffers_.power[points + last_point];
     }
     energy_ = energy;
     nodes_at_start_ = count;
@@ -103,21 +109,40 @@ class SmoothStep {
     keep_forces(0, nodes_at_start_);
   }
 
+  /// Keeps the rate of the accelerations at the beginning.
+  RA2D_FUNCTION void keep_jerk(const Real* jerk) const {
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      lanes_.store(buffers_.jerk + p * width, jerk[p]);
+  }
+
   /// Makes a step of so many ticks. `end_place`: of its end, to the bit.
   RA2D_FUNCTION void make(std::int64_t ticks, Pace pace, int cells, const Place& end_place) {
     ticks_ = static_cast<double>(ticks);
     time_ = ticks_ * motion_.time_step;
     pace_ = pace;
-    table_ = stages_.paces + static_cast<int>(pace) * pace_numbers;
+    table_ = collocation_.paces + static_cast<int>(pace) * pace_numbers;
     cells_ = cells;
-    for (int i = 1; i <= last_stage; ++i) make_stage(i, end_place);
+    double *const u = buffers_.u, *const v = buffers_.v;
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      lanes_.store(u + p * width, now_.u[p]);
+      lanes_.store(v + p * width, now_.v[p]);
+    }
+    lanes_.sync();
+    sweeps_.begin(table_, ticks_, start_, {u, v, buffers_.acceleration, buffers_.jerk});
+    if (forces_.count > 0) sweeps_.add_moving_forces(force_series_, adaptive_.order, force_scale_);
+    converges_ = sweep();
+    sweeps_.finish(u + row);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      end_.u[p] = lanes_.load(u + row + p * width);
+      end_.v[p] = lanes_.load(buffers_.velocity + last_point * row + p * width);
+    }
+    energy_at_end_ = evaluate(last_point, end_place, end_.u, end_.v, 1.0).energy;
   }
   /// Finds the motion over the step.
   RA2D_FUNCTION void find_motion() {
-    for (int i = last_stage + 1; i < formula_stages; ++i) make_stage(i, start_);
     for (int m = 0; m < motion_terms; ++m) {
       Real u[packs], v[packs];
-      sum(stage_output + m, formula_stages, u, v);
+      sum(motion_weights + m, u, v);
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         lanes_.store(buffers_.u + m * row + p * width,
                      multiply_add(time_, u[p], m == 0 ? now_.u[p] : Real(0.0)));
@@ -125,68 +150,81 @@ class SmoothStep {
                      multiply_add(time_, v[p], m == 0 ? now_.v[p] : Real(0.0)));
       }
     }
+    lanes_.sync();
   }
 
   /// Estimated local error over the tolerance: a step is good up to 1. In the energy norm, relative
   /// to the larger of both ends, the springs' energy included.
   ///
-  /// The formula's own estimate takes the errors of orders 5 and 3 and infers that of order 8. It
-  /// holds for a smooth motion. Graded towards an onset or a release, the estimate is the geometric
-  /// mean of the inferred error and that of order 5. (So chosen that the energy that such steps
-  /// lose is no larger than that of the others.) Where a contact begins or ends elsewhere in the
-  /// step, nothing may be inferred, and either error may vanish by chance: then the estimate
-  /// combines both errors.
+  /// Of a smooth motion, the Legendre coefficients of the rates at the points fall by some factor
+  /// from degree to degree. Those of degrees 7 and 8 against 3 and 4 tell it. The rule's own error
+  /// is that of degree 16 and higher; taken is what that of degree 12 would be, so the estimate is
+  /// on the safe side, next to an onset or a release, too. Where a contact begins or ends elsewhere
+  /// in the step, the coefficients fall as a power of the degree: degree 10 then.
   enum class Course { smooth, graded, kinked };
   struct Errors {
-    double fifth, third;  // over the tolerance
+    double last, middle;  // of degrees 7 and 8, and 3 and 4, over the tolerance
     RA2D_FUNCTION double of(Course course) const {
-      if (!(fifth > 0.0)) return course == Course::kinked ? 0.1 * third : fifth;
-      const double inferred = fifth * fifth / Kokkos::hypot(fifth, 0.1 * third);
-      return course == Course::smooth   ? inferred
-             : course == Course::graded ? Kokkos::sqrt(inferred * fifth)
-                                        : Kokkos::hypot(fifth, 0.1 * third);
+      if (!(last > 0.0)) return last;
+      const double falls = Kokkos::min(1.0, last / middle);
+      return last * (course == Course::kinked ? Kokkos::sqrt(falls) : falls);
     }
-    /// How the step's length is to change for an error of 1.
-    RA2D_FUNCTION double factor(Course course) const {
-      const double order = course == Course::smooth ? 8.0 : course == Course::graded ? 7.0 : 3.0;
-      return 0.9 * Kokkos::exp2(-Kokkos::log2(of(course)) / order);
+    /// That of the motion within the step: of degree 9, integrated.
+    RA2D_FUNCTION double inside() const {
+      if (!(last > 0.0)) return last;
+      return 0.1 * last * Kokkos::sqrt(Kokkos::sqrt(Kokkos::min(1.0, last / middle)));
+    }
+    /// How the step's length is to change from this error to 1.
+    RA2D_FUNCTION static double factor(Course course, double error) {
+      const double order = course == Course::smooth ? 12.0 : course == Course::graded ? 10.0 : 4.0;
+      return 0.9 * Kokkos::exp2(-Kokkos::log2(error) / order);
     }
   };
   RA2D_FUNCTION Errors errors() const {
-    Real u5[packs], v5[packs], u3[packs], v3[packs];
-    sum(stage_fifth_order_error, last_stage, u5, v5);
-    sum(stage_third_order_error, last_stage, u3, v3);
-    Real fifth(0.0), third(0.0), before(0.0), after(0.0);
+    Real last(0.0), middle(0.0), before(0.0), after(0.0);
+    add_squares(legendre_8, last);
+    add_squares(legendre_7, last);
+    add_squares(legendre_4, middle);
+    add_squares(legendre_3, middle);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real mass = load_pack(lanes_, modes_.mass, p),
-                 omega = load_pack(lanes_, modes_.omega, p);
-      const auto norm = [&](const Real& u, const Real& v) {
-        const Real stretch = omega * u;
-        return mass * multiply_add(v, v, stretch * stretch);
-      };
-      fifth = fifth + norm(u5[p], v5[p]);
-      third = third + norm(u3[p], v3[p]);
-      before = before + norm(now_.u[p], now_.v[p]);
-      after = after + norm(end_.u[p], end_.v[p]);
+      before = before + twice_energy(p, now_.u[p], now_.v[p]);
+      after = after + twice_energy(p, end_.u[p], end_.v[p]);
     }
-    double e5, e3, start, end;
-    lanes_.sum(fifth, third, e5, e3);
+    double of_last, of_middle, start, end;
+    lanes_.sum(last, middle, of_last, of_middle);
     lanes_.sum(before, after, start, end);
     const double size = Kokkos::max(start, end) + 2.0 * Kokkos::max(energy_, energy_at_end_);
     if (!(size < 1e300)) return {size - size + 1e300, 1e300};  // not a number, or too large
     if (!(size > 0.0)) return {0.0, 0.0};
+    if (!converges_) return {1e30, 1e30};
     constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
     const double per = time_ / (share * adaptive_.tolerance * Kokkos::sqrt(size));
-    return {per * Kokkos::sqrt(e5), per * Kokkos::sqrt(e3)};
+    return {per * Kokkos::sqrt(of_last), per * Kokkos::sqrt(of_middle)};
   }
 
   KOKKOS_FORCEINLINE_FUNCTION const Modes& end() const { return end_; }
   KOKKOS_FORCEINLINE_FUNCTION Pace pace() const { return pace_; }
   KOKKOS_FORCEINLINE_FUNCTION double ticks() const { return ticks_; }
   KOKKOS_FORCEINLINE_FUNCTION int cells() const { return cells_; }
-  /// Share of the step's time at which a stage stands.
-  KOKKOS_FORCEINLINE_FUNCTION double share(int stage) const {
-    return pace_share(pace_, table_[stage_places * formula_stages + stage]);
+  /// The x of a point, and the share of the step's time at which it stands.
+  KOKKOS_FORCEINLINE_FUNCTION double place(int point) const {
+    return table_[collocation_row(point_places) + point];
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double share(int point) const {
+    return pace_share(pace_, place(point));
+  }
+  /// The polynomial through a value at each point, at x.
+  RA2D_FUNCTION double between(const double* values, double x) const {
+    const double* const weights = table_ + collocation_row(barycentric_weights);
+    double sum = 0.0, of_weights = 0.0;
+    for (int i = 0; i < collocation_points; ++i) {
+      const double distance = x - place(i);
+      if (distance == 0.0) return values[i];
+      const double weight = weights[i] / distance;
+      sum = Kokkos::fma(weight, values[i], sum);
+      of_weights += weight;
+    }
+    return sum / of_weights;
   }
   /// The motion up to x, a polynomial.
   KOKKOS_FORCEINLINE_FUNCTION PolynomialMotion<Lanes, packs> motion(double x) const {
@@ -220,20 +258,20 @@ class SmoothStep {
     return node_contact_(place_at_share(pace_share(pace_, x)), u, buffers_.cells, cells_, force);
   }
 
-  /// Weights of the stages in an integral over time from the beginning to x, in units of the step.
+  /// Weights of the points in an integral over time from the beginning to x, in units of the step.
   struct Weights {
-    double of[formula_stages];
+    double of[collocation_points];
   };
   RA2D_FUNCTION Weights weights(double x) const {
     Weights w;
-    for (int i = 0; i < formula_stages; ++i) {
+    for (int i = 0; i < collocation_points; ++i) {
       if (x == 1.0) {
-        w.of[i] = i < last_stage ? table_[(stage_weights + last_stage) * formula_stages + i] : 0.0;
+        w.of[i] = table_[collocation_row(end_weights) + i];
         continue;
       }
       double sum = 0.0;
       for (int m = motion_terms - 1; m >= 0; --m)
-        sum = Kokkos::fma(sum, x, table_[(stage_output + m) * formula_stages + i]);
+        sum = Kokkos::fma(sum, x, table_[collocation_row(motion_weights + m) + i]);
       w.of[i] = sum;
     }
     return w;
@@ -241,7 +279,7 @@ class SmoothStep {
   /// Integral of V^2, in ticks.
   RA2D_FUNCTION void squares(const Weights& w, Real* square) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) square[p] = Real(0.0);
-    for (int i = 0; i < formula_stages; ++i)
+    for (int i = 0; i < collocation_points; ++i)
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real v = lanes_.load(buffers_.velocity + i * row + p * width);
         square[p] = multiply_add(w.of[i] * ticks_, v * v, square[p]);
@@ -250,58 +288,75 @@ class SmoothStep {
   /// Works of the imposed motion and of the moving forces [J].
   RA2D_FUNCTION void works(const Weights& w, double& sliding, double& moving) const {
     sliding = moving = 0.0;
-    for (int i = 0; i < formula_stages; ++i) {
+    for (int i = 0; i < collocation_points; ++i) {
       sliding = Kokkos::fma(w.of[i], buffers_.power[i], sliding);
-      moving = Kokkos::fma(w.of[i], buffers_.power[formula_stages + i], moving);
+      moving = Kokkos::fma(w.of[i], buffers_.power[points + i], moving);
     }
     sliding *= time_;
     moving *= time_;
   }
 
  private:
-  RA2D_FUNCTION void make_stage(int i, const Place& end_place) {
-    Real u[packs], v[packs];
-    sum(stage_weights + i, i, u, v);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      u[p] = multiply_add(time_, u[p], now_.u[p]);
-      v[p] = multiply_add(time_, v[p], now_.v[p]);
-    }
-    if (i == last_stage) {
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        end_.u[p] = u[p];
-        end_.v[p] = v[p];
-      }
-      energy_at_end_ = evaluate(i, end_place, u, v, 1.0).energy;
-    } else {
-      evaluate(i, place_at_share(share(i)), u, v, share(i));
-    }
-  }
-
   Lanes lanes_;
   const ModeTables& modes_;
   const SliderMotion& motion_;
   const SeriesTables& adaptive_;
   const MovingForces& forces_;
-  const StageTables& stages_;
+  const CollocationTables& collocation_;
   NodeContact<Lanes, packs> node_contact_;
+  CollocationSweeps<Lanes, packs> sweeps_;
   ContactList& contact_list_;
   const double* force_series_;
   double force_scale_;  // s, unit of that series
   const Modes& now_;
   Place start_;
-  StageBuffers& buffers_;
+  PointBuffers& buffers_;
   Modes end_;
   double energy_ = 0.0, energy_at_end_ = 0.0, ticks_ = 0.0, time_ = 0.0;
   Pace pace_ = Pace::even;
   const double* table_ = nullptr;
   int cells_ = 0, nodes_at_start_ = 0;
+  bool converges_ = false;
 
-  /// Weighted sums of the velocities and accelerations of the first `count` stages.
-  KOKKOS_FORCEINLINE_FUNCTION void sum(int weights, int count, Real* u, Real* v) const {
-    const double* w = table_ + weights * formula_stages;
+  /// Sweeps until the error is small beside the tolerance. Whether it came to be.
+  RA2D_FUNCTION bool sweep() {
+    Real before(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      before = before + twice_energy(p, now_.u[p], now_.v[p]);
+    const double size = lanes_.sum(before) + 2.0 * energy_;
+    const double close = Kokkos::max(0.02 * adaptive_.tolerance, 8.0 * 0x1p-52);
+    double change_before = 0.0;
+    for (int k = 0; k < most_sweeps; ++k) {
+      sweeps_.move();
+      const auto found = sweeps_.accelerate(buffers_.cells, cells_, k > 0);
+      const double change =
+          Kokkos::sqrt(found.by / Kokkos::max(Kokkos::max(size, found.size), 1e-300));
+      // the next one changes it by no larger a part of this change
+      if (k > 0 && change * Kokkos::min(1.0, change / change_before) < close) {
+        sweeps_.move();
+        return true;
+      }
+      change_before = change;
+    }
+    return false;
+  }
+
+  /// Mass times V^2 + (omega U)^2.
+  KOKKOS_FORCEINLINE_FUNCTION Real twice_energy(int p, const Real& u, const Real& v) const {
+    const Real stretch = load_pack(lanes_, modes_.omega, p) * u;
+    return load_pack(lanes_, modes_.mass, p) * multiply_add(v, v, stretch * stretch);
+  }
+  RA2D_FUNCTION void add_squares(int weights, Real& squares) const {
+    Real u[packs], v[packs];
+    sum(weights, u, v);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) squares = squares + twice_energy(p, u[p], v[p]);
+  }
+
+  /// Weighted sums of the velocities and accelerations of the points.
+  KOKKOS_FORCEINLINE_FUNCTION void sum(int weights, Real* u, Real* v) const {
+    const double* w = table_ + collocation_row(weights);
     for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = Real(0.0);
-    for (int j = 0; j < count; ++j) {
-      if (w[j] == 0.0) continue;
+    for (int j = 0; j < collocation_points; ++j) {
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         u[p] = multiply_add(w[j], lanes_.load(buffers_.velocity + j * row + p * width), u[p]);
         v[p] = multiply_add(w[j], lanes_.load(buffers_.acceleration + j * row + p * width), v[p]);
@@ -309,8 +364,8 @@ class SmoothStep {
     }
   }
 
-  /// Forces and accelerations at a state, kept as those of a stage.
-  RA2D_FUNCTION ContactTotals<Real> evaluate(int stage, const Place& place, const Real* u,
+  /// Forces and accelerations at a state, kept as those of a point.
+  RA2D_FUNCTION ContactTotals<Real> evaluate(int point, const Place& place, const Real* u,
                                              const Real* v, double share) {
     Real force[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = load_pack(lanes_, modes_.load, p);
@@ -322,26 +377,26 @@ class SmoothStep {
       const Real omega = load_pack(lanes_, modes_.omega, p);
       const Real held =
           multiply_add(load_pack(lanes_, adaptive_.decay, p), v[p], omega * omega * u[p]);
-      lanes_.store(buffers_.velocity + stage * row + p * width, v[p]);
-      lanes_.store(buffers_.acceleration + stage * row + p * width,
+      lanes_.store(buffers_.velocity + point * row + p * width, v[p]);
+      lanes_.store(buffers_.acceleration + point * row + p * width,
                    multiply_add(load_pack(lanes_, adaptive_.inverse_mass, p), force[p], -held));
     }
     const double work =
         totals.nodes > 0 ? totals.face_work + lanes_.sum(totals.deflection_work) : 0.0;
     if (lanes_.leader()) {
-      buffers_.power[stage] = motion_.advance / motion_.time_step * work;
-      buffers_.power[formula_stages + stage] = moving;
+      buffers_.power[point] = motion_.advance / motion_.time_step * work;
+      buffers_.power[points + point] = moving;
     }
-    keep_forces(stage, totals.nodes);
+    keep_forces(point, totals.nodes);
     return totals;
   }
-  /// Keeps the forces of the `count` cells in contact (ContactList) as those of a stage.
-  RA2D_FUNCTION void keep_forces(int stage, int count) {
+  /// Keeps the forces of the `count` cells in contact (ContactList) as those of a point.
+  RA2D_FUNCTION void keep_forces(int point, int count) {
     if (lanes_.leader())
       for (int e = 0, i = 0; e < cells_; ++e) {
         const bool in_contact = i < count && contact_list_.nodes[i] == buffers_.cells[e];
-        buffers_.force[e * formula_stages + stage] = in_contact ? contact_list_.forces[i] : 0.0;
-        buffers_.centre[e * formula_stages + stage] = in_contact ? contact_list_.centres[i] : 0.0;
+        buffers_.force[e * points + point] = in_contact ? contact_list_.forces[i] : 0.0;
+        buffers_.centre[e * points + point] = in_contact ? contact_list_.centres[i] : 0.0;
         if (in_contact) ++i;
       }
     lanes_.sync();

@@ -10,6 +10,20 @@
 
 namespace ra2d {
 
+/// The value of a cubic at x.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Real cubic_at(const Real* c, const Real& x) {
+  return multiply_add(multiply_add(multiply_add(c[3], x, c[2]), x, c[1]), x, c[0]);
+}
+/// A cubic's coefficients with its origin at x.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void shift_cubic(const Real* c, const Real& x, Real* about) {
+  about[3] = c[3];
+  about[2] = multiply_add(Real(3.0) * c[3], x, c[2]);
+  about[1] = multiply_add(multiply_add(Real(3.0) * c[3], x, Real(2.0) * c[2]), x, c[1]);
+  about[0] = cubic_at(c, x);
+}
+
 /// The parts of cells that may be in contact, side by side: one part a lane. A part is the stretch
 /// of a cell to one side of the resonator's node within it, where the overlap is one cubic. Where
 /// that is concave, as at nearly every contact, all lanes take the same steps; the other parts go
@@ -68,6 +82,73 @@ class CellParts {
     for (int first = 0; first < count_; first += width) integrate_lanes(first);
     lanes_.sync();
   }
+  /// The integrals of CellContact, over one part a lane, and where the contact begins and ends in
+  /// the cell: low >= high where there is none, or where add_contact found it.
+  struct Integrals {
+    Real moment[4], square, face_work;
+    Real low, high;
+  };
+  /// Those over parts that are given in lanes: from `left` to `right`, with these cubics of overlap
+  /// and resonator's face. Parts that were added are lost where it goes through add_contact.
+  RA2D_FUNCTION void integrate(const Real* o, const Real* f, const Real& left, const Real& right,
+                               Integrals& sum) {
+    const std::uint32_t others = integrate_concave(o, f, left, right, sum);
+    if (others == 0) [[likely]]
+      return;
+    lanes_.sync();
+    for (int j = 0; j < 4; ++j) {
+      store(overlap + j, 0, o[j]);
+      store(face + j, 0, f[j]);
+    }
+    store(from, 0, left);
+    store(to, 0, right);
+    store_integrals(0, sum);
+    lanes_.sync();
+    integrate_others(others, 0);
+    lanes_.sync();
+    for (int j = 0; j < 4; ++j) sum.moment[j] = row(result + j, 0);
+    sum.square = row(result + 4, 0);
+    sum.face_work = row(result + 5, 0);
+    sum.low = sum.high = Real(0.0);
+    lanes_.sync();
+  }
+  /// The same, from `low` and `high` as they were a little before. `at_left`, `at_right`: the cubic
+  /// about these ends. Where `near` is negative there is plainly no contact. False where it must be
+  /// found as ever: contact vanishes in a lane or reaches another end of the part, the overlap is
+  /// not concave, or one step of the search is not enough.
+  RA2D_FUNCTION bool integrate_from(const Real* o, const Real* f, const Real& left,
+                                    const Real& right, const Real* at_left, const Real* at_right,
+                                    const Real& near, const Real& low, const Real& high,
+                                    Integrals& sum) const {
+    const Real none(0.0), yes(1.0), no(-1.0), open = -near;
+    const Real convex = Kokkos::max(at_left[2], at_right[2]);
+    Real begin = low, end = high;
+    for (int i = 0; i < 2; ++i) {
+      Real by_begin, by_end;
+      halley_steps(o, begin, end, by_begin, by_end);
+      const Real length = end - begin;
+      by_begin = if_positive(at_left[0], begin - left, by_begin);
+      by_end = if_positive(at_right[0], end - right, by_end);
+      begin = if_positive(open, none, begin - by_begin);
+      end = if_positive(open, none, end - by_end);
+      const Real by = Kokkos::max(Kokkos::abs(by_begin), Kokkos::abs(by_end)),
+                 outside = Kokkos::max(Kokkos::max(left - begin, end - right), convex);
+      // each step leaves some cube of the error before it
+      const auto any_beyond = [&](double share) {
+        const Real found = if_positive(outside, no, if_positive(share * length - by, yes, no));
+        return lanes_.at_least(if_positive(open, no, -found), 0.0) != 0;
+      };
+      if (!any_beyond(1e-3)) {
+        const Real middle = Real(0.5) * (begin + end), half = Real(0.5) * (end - begin);
+        find_integrals(o, f, middle, middle, half, sum);
+        sum.low = begin;
+        sum.high = end;
+        return true;
+      }
+      if (any_beyond(0.1)) return false;
+    }
+    return false;
+  }
   KOKKOS_FORCEINLINE_FUNCTION int cell(int part) const {
     return static_cast<int>(at(cell_number, part));
   }
@@ -90,16 +171,6 @@ class CellParts {
   KOKKOS_FORCEINLINE_FUNCTION Real row(int number, int first) const {
     return lanes_.load(memory_ + number * capacity + first);
   }
-  KOKKOS_FORCEINLINE_FUNCTION static Real value(const Real* c, const Real& x) {
-    return multiply_add(multiply_add(multiply_add(c[3], x, c[2]), x, c[1]), x, c[0]);
-  }
-  /// A cubic's coefficients with its origin at x.
-  KOKKOS_FORCEINLINE_FUNCTION static void shift(const Real* c, const Real& x, Real* about) {
-    about[3] = c[3];
-    about[2] = multiply_add(Real(3.0) * c[3], x, c[2]);
-    about[1] = multiply_add(multiply_add(Real(3.0) * c[3], x, Real(2.0) * c[2]), x, c[1]);
-    about[0] = value(c, x);
-  }
   /// Where the overlap p of a part, about its middle, is largest: where its slope falls through
   /// zero, at an end where it does not. Half of the part is `half` long.
   KOKKOS_FORCEINLINE_FUNCTION static Real summit_of(const Real* p, const Real& half) {
@@ -110,46 +181,66 @@ class CellParts {
                end = if_positive(p[1], half, -half);
     return Kokkos::max(-half, Kokkos::min(half, if_positive(-inside, end, vertex)));
   }
-  /// Stores the integrals of the contacts: the overlap is the cubic q about `summit`, the contact's
-  /// middle stands at `centre` from there and at c in the cell; h is half of its length.
-  KOKKOS_FORCEINLINE_FUNCTION void store_integrals(int first, const Real* q, const Real& centre,
-                                                   const Real& c, const Real& h) {
+  /// The integrals of the contacts: the overlap is the cubic q about `summit`, the contact's middle
+  /// stands at `centre` from there and at c in the cell; h is half of its length.
+  KOKKOS_FORCEINLINE_FUNCTION static void find_integrals(const Real* q, const Real* passing,
+                                                         const Real& centre, const Real& c,
+                                                         const Real& h, Integrals& sum) {
     // about the middle of the contact: even powers alone are left
     const Real h2 = h * h, length = h + h;
-    Real o[4], s[4];
-    shift(q, centre, s);
+    Real s[4];
+    shift_cubic(q, centre, s);
     const Real third(1.0 / 3.0), fifth(0.2), seventh(1.0 / 7.0);
     const Real m0 = length * multiply_add(third * h2, s[2], s[0]),
                m1 = length * h2 * multiply_add(fifth * h2, s[3], third * s[1]),
                m2 = length * h2 * multiply_add(fifth * h2, s[2], third * s[0]),
                m3 = length * h2 * h2 * multiply_add(seventh * h2, s[3], fifth * s[1]);
-    store(result, first, m0);
-    store(result + 1, first, multiply_add(c, m0, m1));
-    store(result + 2, first, multiply_add(c, multiply_add(c, m0, m1 + m1), m2));
-    store(
-        result + 3, first,
-        multiply_add(c, multiply_add(c, multiply_add(c, m0, Real(3.0) * m1), Real(3.0) * m2), m3));
-    store(result + 4, first,
-          multiply_add(s[3], m3, multiply_add(s[2], m2, multiply_add(s[1], m1, s[0] * m0))));
-    for (int j = 0; j < 4; ++j) o[j] = row(face + j, first);
-    shift(o, c, s);
-    store(result + 5, first,
-          multiply_add(Real(3.0) * s[3], m2, multiply_add(s[2] + s[2], m1, s[1] * m0)));
+    sum.moment[0] = m0;
+    sum.moment[1] = multiply_add(c, m0, m1);
+    sum.moment[2] = multiply_add(c, multiply_add(c, m0, m1 + m1), m2);
+    sum.moment[3] =
+        multiply_add(c, multiply_add(c, multiply_add(c, m0, Real(3.0) * m1), Real(3.0) * m2), m3);
+    sum.square = multiply_add(s[3], m3, multiply_add(s[2], m2, multiply_add(s[1], m1, s[0] * m0)));
+    shift_cubic(passing, c, s);
+    sum.face_work = multiply_add(Real(3.0) * s[3], m2, multiply_add(s[2] + s[2], m1, s[1] * m0));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void store_integrals(int first, const Integrals& sum) const {
+    for (int j = 0; j < 4; ++j) store(result + j, first, sum.moment[j]);
+    store(result + 4, first, sum.square);
+    store(result + 5, first, sum.face_work);
   }
   RA2D_FUNCTION void integrate_lanes(int first) {
-    Real o[4], p[4];
-    for (int j = 0; j < 4; ++j) o[j] = row(overlap + j, first);
-    const Real left = row(from, first), right = row(to, first);
+    Real o[4], f[4];
+    for (int j = 0; j < 4; ++j) {
+      o[j] = row(overlap + j, first);
+      f[j] = row(face + j, first);
+    }
+    Integrals sum;
+    const std::uint32_t others = integrate_concave(o, f, row(from, first), row(to, first), sum);
+    store_integrals(first, sum);
+    lanes_.sync();
+    integrate_others(others, first);
+  }
+  RA2D_FUNCTION void integrate_others(std::uint32_t others, int first) const {
+    if (lanes_.leader())
+      for (std::uint32_t bits = others; bits != 0; bits &= bits - 1)
+        integrate_alone(first + Kokkos::Experimental::countr_zero_builtin(bits));
+  }
+  /// One bit for each part that is left to add_contact: its overlap is not concave, or a root was
+  /// not found.
+  RA2D_FUNCTION std::uint32_t integrate_concave(const Real* o, const Real* f, const Real& left,
+                                                const Real& right, Integrals& sum) const {
+    Real p[4];
     const Real middle = Real(0.5) * (left + right), half = Real(0.5) * (right - left), none(0.0),
                tiny(1e-300);
-    shift(o, middle, p);
+    shift_cubic(o, middle, p);
     const Real half_curvature = p[2] + Kokkos::abs(Real(3.0) * p[3]) * half;  // the largest
     const Real summit = summit_of(p, half);
     // from here on about the summit: so narrow contacts keep their digits
     Real q[4];
-    shift(p, summit, q);
+    shift_cubic(p, summit, q);
     const Real lower = -half - summit, upper = half - summit, top = q[0];
-    const Real at_lower = value(q, lower), at_upper = value(q, upper);
+    const Real at_lower = cubic_at(q, lower), at_upper = cubic_at(q, upper);
     // both roots of the parabola there, and what the cubic's last term moves them by
     const Real size =
         Kokkos::sqrt(Kokkos::max(multiply_add(q[1], q[1], Real(-4.0) * top * q[2]), none));
@@ -172,13 +263,24 @@ class CellParts {
     const Real seek = find_roots(q, lower, upper, if_positive(at_lower, Real(-1.0), closed),
                                  if_positive(at_upper, Real(-1.0), closed), low, high);
     const Real centre = Real(0.5) * (low + high), h = Real(0.5) * (high - low);
-    store_integrals(first, q, centre, (centre + summit) + middle, if_positive(closed, h, none));
-    // the others
-    const std::uint32_t others = lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
-    lanes_.sync();
-    if (lanes_.leader())
-      for (std::uint32_t bits = others; bits != 0; bits &= bits - 1)
-        integrate_alone(first + Kokkos::Experimental::countr_zero_builtin(bits));
+    find_integrals(q, f, centre, (centre + summit) + middle, if_positive(closed, h, none), sum);
+    const Real about_middle = summit + middle;
+    sum.low = if_positive(closed, low + about_middle, none);
+    sum.high = if_positive(closed, high + about_middle, none);
+    return lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
+  }
+  /// What Halley's method takes off both roots, by one division.
+  KOKKOS_FORCEINLINE_FUNCTION static void halley_steps(const Real* q, const Real& low,
+                                                       const Real& high, Real& by_low,
+                                                       Real& by_high) {
+    Real l[4], r[4];
+    shift_cubic(q, low, l);
+    shift_cubic(q, high, r);
+    const Real of_low = multiply_add(l[1], l[1], -(l[0] * l[2])),
+               of_high = multiply_add(r[1], r[1], -(r[0] * r[2]));
+    const Real inverse_both = Real(1.0) / (of_low * of_high);
+    by_low = (l[0] * l[1]) * (of_high * inverse_both);
+    by_high = (r[0] * r[1]) * (of_low * inverse_both);
   }
   /// Improves the roots `low` and `high` of a cubic between `lower` and 0, and 0 and `upper`, where
   /// `seek_low` and `seek_high` are positive. Positive where one of them is not found.
@@ -187,15 +289,8 @@ class CellParts {
     const Real none(0.0);
     Real seek(-1.0);
     for (int i = 0; i < 8; ++i) {
-      // Halley's steps, by one division
-      Real l[4], r[4];
-      shift(q, low, l);
-      shift(q, high, r);
-      const Real of_low = multiply_add(l[1], l[1], -(l[0] * l[2])),
-                 of_high = multiply_add(r[1], r[1], -(r[0] * r[2]));
-      const Real inverse_both = Real(1.0) / (of_low * of_high);
-      const Real by_low = (l[0] * l[1]) * (of_high * inverse_both),
-                 by_high = (r[0] * r[1]) * (of_low * inverse_both);
+      Real by_low, by_high;
+      halley_steps(q, low, high, by_low, by_high);
       // an error e of a root changes the integrals by e^2, and the next error is some e^3
       const Real close = Real(1e-3) * (high - low);
       low = if_positive(seek_low, Kokkos::max(lower, Kokkos::min(none, low - by_low)), low);

@@ -161,6 +161,10 @@ class ExpandedCells {
   KOKKOS_FORCEINLINE_FUNCTION CellFaces faces(int cell) const {
     return {cubic(cell, 0), {cubic(cell, 1), cubic(cell, 2)}};
   }
+  /// Rows of all modes: CellRow.
+  KOKKOS_FORCEINLINE_FUNCTION const double* shapes_of(int cell) const {
+    return shapes_in(slot(cell));
+  }
   /// Where an expanded cell stands in the caches.
   KOKKOS_FORCEINLINE_FUNCTION double* shapes_in(int slot) const {
     return caches_.node_shape + static_cast<std::int64_t>(slot) * (cell_rows * packs * width);

@@ -257,6 +257,70 @@ TEST(CellParts, OfParabolasHaveTheirDigitsHoweverNarrow) {
     }
 }
 
+/// Contact in one part a lane, found from where it began and ended a little before: as found anew.
+/// Where that is not enough it says so: never a wrong answer.
+TEST(CellParts, FollowContactFromWhereItWas) {
+  using Parts = CellParts<HostLanes>;
+  using Real = HostLanes::Real;
+  constexpr int width = HostLanes::width;
+  const HostLanes lanes;
+  Dice dice(6);
+  int followed = 0, plainly_open = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    std::array<double, cell_part_rows * Parts::capacity> memory{};
+    Parts parts(lanes, memory.data());
+    std::array<Cubic, width> o, face;
+    std::array<double, width> left, right, change, near;
+    for (int i = 0; i < width; ++i) {
+      o[i] = random_cubic(dice), face[i] = random_cubic(dice);
+      o[i].c[2] = -std::abs(o[i].c[2]) - (dice.one_in(20) ? 0 : 4);
+      o[i].c[3] *= 0.1;
+      left[i] = dice.one_in(2) ? -0.5 : dice.uniform(-0.5, 0.4);
+      right[i] = dice.uniform(left[i] + 0.05, 0.5);
+      change[i] = dice.uniform(-1, 1) * dice.ratio(1e-6, dice.one_in(2) ? 1e-3 : 0.3);
+      if (dice.one_in(4)) o[i].c[0] -= 2;  // no contact
+    }
+    const auto pack = [&](const auto& number) {
+      return Real([&](std::size_t i) { return number(static_cast<int>(i)); });
+    };
+    Real f[4], now[4], then[4], at_left[4], at_right[4];
+    for (int j = 0; j < 4; ++j) {
+      now[j] = pack([&](int i) { return o[i].c[j]; });
+      f[j] = pack([&](int i) { return face[i].c[j]; });
+      then[j] = now[j] + (j == 0 ? pack([&](int i) { return change[i]; }) : Real(0.0));
+    }
+    const Real from = pack([&](int i) { return left[i]; }),
+               to = pack([&](int i) { return right[i]; });
+    shift_cubic(then, from, at_left);
+    shift_cubic(then, to, at_right);
+    for (int i = 0; i < width; ++i) {
+      Cubic moved = o[i];
+      moved.c[0] += change[i];
+      near[i] = highest_on(moved, left[i], right[i]).value;
+    }
+    Parts::Integrals before, found;
+    parts.integrate(now, f, from, to, before);
+    if (!parts.integrate_from(then, f, from, to, at_left, at_right,
+                              pack([&](int i) { return near[i]; }), before.low, before.high, found))
+      continue;
+    ++followed;
+    for (int i = 0; i < width; ++i) {
+      Cubic moved = o[i];
+      moved.c[0] += change[i];
+      CellContact expected;
+      add_contact(moved, face[i], left[i], right[i], expected);
+      plainly_open += expected.moment[0] == 0;
+      // the roots are off by 1e-9 of the contact, what is integrated by the square of that
+      for (int j = 0; j < 4; ++j)
+        ASSERT_NEAR(found.moment[j][i], expected.moment[j], 640 * eps) << "trial " << trial;
+      ASSERT_NEAR(found.square[i], expected.square, 6400 * eps) << "trial " << trial;
+      ASSERT_NEAR(found.face_work[i], expected.face_work, 6400 * eps) << "trial " << trial;
+    }
+  }
+  EXPECT_GT(followed, 1000);
+  EXPECT_GT(plainly_open, 1000);
+}
+
 /// A cubic of the time, alike all over the cell: its root.
 TEST(ForeseenCell, CrossesWhereItsOverlapIsNone) {
   Dice dice(5);

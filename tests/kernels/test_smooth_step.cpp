@@ -4,48 +4,56 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include "host/device/stage_tables.hpp"
+#include "host/device/collocation_tables.hpp"
 #include "kernels/adaptive/brent.hpp"
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/contact/moving_cell.hpp"
 #include "tests/dice.hpp"
 #include "tests/numbers.hpp"
 
-/// The parts of adaptive steps between smooth faces: the weights of their stages, the highest
+/// The parts of adaptive steps between smooth faces: the weights of their points, the highest
 /// place of a cell, and the highest value of a force.
 namespace ra2d::test {
 namespace {
 
-/// The rows of one pace.
-struct Stages {
+/// The numbers of one pace.
+struct Points {
   std::vector<double> table = std::vector<double>(paces * pace_numbers, 0.0);
   Pace pace;
 
-  explicit Stages(Pace pace) : pace{pace} { fill_stages(table.data()); }
-  const double* row(int r) const {
-    return table.data() + static_cast<int>(pace) * pace_numbers + r * formula_stages;
+  explicit Points(Pace pace) : pace{pace} { fill_collocation(table.data()); }
+  const double* numbers(int first) const {
+    return table.data() + static_cast<int>(pace) * pace_numbers + first;
   }
-  double share(int stage) const { return pace_share(pace, row(stage_places)[stage]); }
-  struct Integral {
-    double value = 0,
-           size = 0;  // the sum, and that of its terms' sizes: roundings are relative to it
+  const double* row(int r) const { return numbers(collocation_row(r)); }
+  double x(int point) const { return row(point_places)[point]; }
+  double share(int point) const { return pace_share(pace, x(point)); }
+  struct Sum {
+    double value = 0, size = 0;  // and that of its terms' sizes: roundings are relative to it
   };
-  /// Of a power of the time, by the weights of the first `count` stages.
-  Integral integral(int r, int count, int power) const {
-    Integral sum;
-    for (int j = 0; j < count; ++j) {
-      const double term = row(r)[j] * std::pow(share(j), power);
+  /// The sum of a power of the time at the points, with the weights that `weight` gives.
+  template <class Weight>
+  Sum sum(int power, const Weight& weight) const {
+    Sum sum;
+    for (int j = 0; j < collocation_points; ++j) {
+      const double term = weight(j) * std::pow(share(j), power);
       sum.value += term;
       sum.size += std::abs(term);
     }
     return sum;
   }
+  Sum sum(int power, const double* weights) const {
+    return sum(power, [&](int j) { return weights[j]; });
+  }
+  /// The highest power k of the time so that t^k dt/dx is no more than this power of x.
+  int power_of(int of_x) const { return pace == Pace::even ? of_x : (of_x - 1) / 2; }
 };
 
-class StagesAtAPace : public testing::TestWithParam<Pace> {};
-INSTANTIATE_TEST_SUITE_P(Paces, StagesAtAPace,
+class PointsAtAPace : public testing::TestWithParam<Pace> {};
+INSTANTIATE_TEST_SUITE_P(Paces, PointsAtAPace,
                          testing::Values(Pace::even, Pace::from_onset, Pace::to_release),
                          [](const auto& pace) {
                            return pace.param == Pace::even         ? "Even"
@@ -53,67 +61,115 @@ INSTANTIATE_TEST_SUITE_P(Paces, StagesAtAPace,
                                                                    : "ToRelease";
                          });
 
-/// From the third stage on they are of second order at least: the time is exact where it goes with
-/// x^2, too.
-TEST_P(StagesAtAPace, StandWhereTheirWeightsTakeThem) {
-  const Stages s(GetParam());
-  for (int i = s.pace == Pace::even ? 1 : 2; i < formula_stages; ++i) {
-    const auto [value, size] = s.integral(stage_weights + i, i, 0);
-    EXPECT_NEAR(value, s.share(i), 32 * eps * (1 + size)) << i;
+TEST_P(PointsAtAPace, StandAlikeOnBothSidesAndAtBothEnds) {
+  const Points p(GetParam());
+  EXPECT_EQ(p.x(0), 0);
+  EXPECT_EQ(p.x(last_point), 1);
+  for (int i = 0; i < collocation_points; ++i) {
+    EXPECT_NEAR(p.x(i) + p.x(last_point - i), 1, 2 * eps);
+    if (i > 0) {
+      EXPECT_GT(p.x(i), p.x(i - 1));
+      EXPECT_EQ(p.numbers(point_shares)[i - 1], p.share(i));
+    }
   }
 }
 
-/// Of order 8 in x: t^k is exact up to t^7, where t goes with x; with x^2 up to t^3.
-TEST_P(StagesAtAPace, IntegratePowersOfTheTimeExactly) {
-  const Stages s(GetParam());
-  const int highest = s.pace == Pace::even ? 7 : 3;
-  for (int k = 0; k <= highest; ++k) {
-    const auto [value, size] = s.integral(stage_weights + last_stage, last_stage, k);
-    EXPECT_NEAR(value, 1.0 / (k + 1), 32 * eps * size) << k;
-    // and their errors are none
-    for (const int row : {stage_fifth_order_error, stage_third_order_error}) {
-      const int order = row == stage_fifth_order_error ? 4 : 2;
-      if ((s.pace == Pace::even ? k : 2 * k + 1) > order) continue;
-      const auto [error, of] = s.integral(row, last_stage, k);
-      EXPECT_NEAR(error, 0.0, 32 * eps * of) << k;
+/// Lobatto's rule is of order 16: exact for x^15 and below, and for no more.
+TEST_P(PointsAtAPace, IntegratePowersOfTheTimeExactly) {
+  const Points p(GetParam());
+  for (int k = 0; k <= p.power_of(15); ++k) {
+    const auto [value, size] = p.sum(k, p.row(end_weights));
+    EXPECT_NEAR(value, 1.0 / (k + 1), 16 * eps * size) << k;
+  }
+  const int beyond = p.power_of(15) + 1;
+  EXPECT_GT(std::abs(p.sum(beyond, p.row(end_weights)).value - 1.0 / (beyond + 1)), 1e-10);
+}
+
+/// A polynomial through nine points is exact up to x^8, and so are its integral to each point and,
+/// where the integral is one of x^8, too, the integral of that.
+TEST_P(PointsAtAPace, LeadFromTheBeginningToEachPoint) {
+  const Points p(GetParam());
+  const auto column = [&](int columns, int i) {
+    return [=, &p](int j) { return p.numbers(columns)[j * point_row + i - 1]; };
+  };
+  for (int i = 1; i < collocation_points; ++i)
+    for (int k = 0; k <= p.power_of(8); ++k) {
+      const auto [value, size] = p.sum(k, column(velocity_columns, i));
+      EXPECT_NEAR(value, std::pow(p.share(i), k + 1) / (k + 1), 16 * eps * (1 + size))
+          << i << " " << k;
+      if (k + 1 > p.power_of(8)) continue;
+      const auto [twice, of] = p.sum(k, column(displacement_columns, i));
+      EXPECT_NEAR(twice, std::pow(p.share(i), k + 2) / ((k + 1) * (k + 2)), 16 * eps * (1 + of))
+          << i << " " << k;
+    }
+}
+
+/// The polynomial between the points, and the motion, of which it is the rate.
+TEST_P(PointsAtAPace, AreThoseOfOnePolynomial) {
+  const Points p(GetParam());
+  for (const double x : {0.01, 0.07, 0.47, 0.83, 0.997}) {
+    const auto weight = [&](int j) { return p.row(barycentric_weights)[j] / (x - p.x(j)); };
+    const double weights = p.sum(0, weight).value;
+    for (int k = 0; k <= (p.pace == Pace::even ? 8 : 4); ++k) {
+      const auto [value, size] = p.sum(k, weight);
+      EXPECT_NEAR(value / weights, std::pow(pace_share(p.pace, x), k),
+                  64 * eps * size / std::abs(weights))
+          << x << " " << k;
+    }
+    for (int k = 0; k <= p.power_of(8); ++k) {
+      double most = 0;
+      const auto motion = [&](int j) {
+        double sum = 0;
+        for (int m = motion_terms - 1; m >= 0; --m) {
+          const double weight = p.row(motion_weights + m)[j];
+          most = std::max(most, std::abs(weight));
+          sum = sum * x + weight;
+        }
+        return sum;
+      };
+      const double value = p.sum(k, motion).value;
+      EXPECT_NEAR(value, std::pow(pace_share(p.pace, x), k + 1) / (k + 1), 64 * eps * most)
+          << x << " " << k;
     }
   }
+}
+
+/// Each row tells one Legendre polynomial from all others; at a pace, of what goes with dt/dx.
+TEST_P(PointsAtAPace, TellLegendreCoefficients) {
+  const Points p(GetParam());
+  const std::array rows{std::pair{legendre_3, 3u}, std::pair{legendre_4, 4u},
+                        std::pair{legendre_7, 7u}, std::pair{legendre_8, 8u}};
+  for (const auto& [row, degree] : rows)
+    for (unsigned k = 0; k <= 8; ++k) {
+      double sum = 0;
+      for (int j = 0; j < collocation_points; ++j) {
+        const double rate = pace_rate(p.pace, p.x(j));
+        if (rate > 0) sum += p.row(row)[j] * std::legendre(k, 2 * p.x(j) - 1) / rate;
+      }
+      // where the slider's way has no rate, that point is missing
+      const int missing = p.pace == Pace::from_onset ? 0 : last_point;
+      if (p.pace != Pace::even) {
+        const Points even(Pace::even);
+        sum += even.row(row)[missing] * std::legendre(k, 2 * p.x(missing) - 1);
+      }
+      EXPECT_NEAR(sum, k == degree ? 1 : 0, 64 * eps) << k << " " << degree;
+    }
 }
 
 /// A force that grows as t^1.5 from the onset of a contact is a power of x there.
-TEST(StagesAtPaces, IntegrateTheForceOfAContactThatBegins) {
+TEST(PointsAtPaces, IntegrateTheForceOfAContactThatBegins) {
   const auto error = [](Pace pace) {
-    const Stages s(pace);
+    const Points p(pace);
     double sum = 0;
-    for (int j = 0; j < last_stage; ++j) {
-      const double after = pace == Pace::to_release ? 1 - s.share(j) : s.share(j);
-      sum += s.row(stage_weights + last_stage)[j] * std::pow(std::max(after, 0.0), 1.5);
+    for (int j = 0; j < collocation_points; ++j) {
+      const double after = pace == Pace::to_release ? 1 - p.share(j) : p.share(j);
+      sum += p.row(end_weights)[j] * std::pow(std::max(after, 0.0), 1.5);
     }
     return std::abs(sum - 0.4);
   };
-  EXPECT_LT(error(Pace::from_onset), 1e-13);
-  EXPECT_LT(error(Pace::to_release), 1e-13);
+  EXPECT_LT(error(Pace::from_onset), 1e-14);
+  EXPECT_LT(error(Pace::to_release), 1e-14);
   EXPECT_GT(error(Pace::even), 1e-6);
-}
-
-/// The motion that a step finds: at its end that of the step, and exact for powers of the time.
-TEST_P(StagesAtAPace, TheMotionBetweenIsExactForPowersOfTheTime) {
-  const Stages s(GetParam());
-  const int highest = s.pace == Pace::even ? 5 : 2;
-  for (const double x : {0.0, 0.07, 0.5, 0.83, 1.0})
-    for (int k = 0; k <= highest; ++k) {
-      double sum = 0, size = 0;
-      for (int j = 0; j < formula_stages; ++j) {
-        double weight = 0;
-        for (int m = motion_terms - 1; m >= 0; --m) {
-          weight = weight * x + s.row(stage_output + m)[j];
-          size = std::max(size, std::abs(s.row(stage_output + m)[j]));
-        }
-        sum += weight * std::pow(s.share(j), k);
-      }
-      EXPECT_NEAR(sum, std::pow(pace_share(s.pace, x), k + 1) / (k + 1), 64 * eps * size)
-          << x << " " << k;
-    }
 }
 
 TEST(Paces, GiveTheXOfAShare) {
@@ -184,7 +240,9 @@ TEST(HighestBetween, IsThatOfASmoothPeak) {
       const double d = x - top;
       return 3 - d * d * (1 + skew * d);
     };
-    const double found = highest_between(from, to, f);
+    const Highest highest = highest_between(from, to, f);
+    const double found = highest.value;
+    EXPECT_EQ(f(highest.place), found);
     const double exact = std::max({top >= from && top <= to ? 3.0 : -1e300, f(from), f(to)});
     // the place is right to 1e-4 of the interval; an end is no place of it
     EXPECT_LE(found, exact);

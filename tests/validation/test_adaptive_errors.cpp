@@ -246,7 +246,7 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
   }
 }
 
-/// Between smooth faces, by the Runge-Kutta steps of contact.
+/// Between smooth faces, by collocation in contact.
 TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
   for (Case& each : cases()) {
     each.scene.faces = Faces::smooth;
@@ -256,8 +256,7 @@ TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
                  std::to_string(each.scene.resonator.damping));
     const Recording reference = simulate(adaptive(each.scene, 1e-13));
     ASSERT_EQ(reference.end.status, Status::done);
-    // Largest factors found: 15 for Free, with 23 shocks, 0.7 for the others. Floors found: 7e-10
-    // for Free, 3e-12 for the others.
+    // Largest factors found: 3 for Free, with 23 shocks, 0.5 for the others.
     const double factor = each.drifts ? 30.0 : 1.5, floor = each.drifts ? 3e-9 : 1e-11;
     for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
       const Recording r = simulate(adaptive(each.scene, tolerance));

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+
+#include "kernels/adaptive/pace.hpp"
+#include "kernels/contact/cell_contact.hpp"
+#include "kernels/contact/cell_parts.hpp"
+#include "kernels/contact/expanded_cells.hpp"
+#include "kernels/function.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// The motion of the modes at the points of a step between smooth faces (CollocationTables), at
+/// which the equations of motion are to hold:
+///
+///   V_i = V_0 + T sum_j b_ij A_j,   U_i = U_0 + T sum_j b_ij V_j,   A = f/m - 2 zeta omega V -
+///   omega^2 U.
+///
+/// Found by Picard's iteration: displacements from accelerations (move), accelerations from these
+/// (accelerate). A sweep multiplies the error by some (omega T)^2 over a number that grows with
+/// each, and takes all points at once: lanes hold points here, not modes, so that sums over the
+/// modes need no exchange between lanes.
+template <class Lanes, int packs>
+class CollocationSweeps {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width, row = packs * width;
+  static constexpr int pitch = padded_points(width), groups = pitch / width;
+  static_assert(pitch % width == 0 && pitch <= point_row);
+
+ public:
+  RA2D_FUNCTION CollocationSweeps(const Lanes& lanes, const ModeTables& modes,
+                                  const SliderMotion& motion, const FaceTables& faces,
+                                  const SliderShapes& slider, const SeriesTables& adaptive,
+                                  const ContactTables& contact,
+                                  const ExpandedCells<Lanes, packs>& cells, double* cell_parts,
+                                  PointBuffers& buffers)
+      : lanes_{lanes},
+        modes_{modes},
+        motion_{motion},
+        faces_{faces},
+        slider_{slider},
+        adaptive_{adaptive},
+        contact_{contact},
+        cells_{cells},
+        parts_{lanes, cell_parts},
+        buffers_{buffers} {}
+
+  /// Rows of all modes at the beginning.
+  struct Beginning {
+    const double *u, *v, *a;
+    const double* jerk;  // rate of the accelerations
+  };
+  /// A step of `ticks` from `start` on, at the pace of `table`. The accelerations are first taken
+  /// to go on at their rate.
+  RA2D_FUNCTION void begin(const double* table, double ticks, const Place& start,
+                           const Beginning& now) {
+    table_ = table;
+    time_ = ticks * motion_.time_step;
+    for (int g = 0; g < groups; ++g) {
+      const Real share = at_points(point_shares, g), time = time_ * share;
+      const Real way = motion_.advance * ticks * share;
+      theta_[g] = Real(start.theta) + way;
+      offset_[g] = Real(start.offset) + way;
+      const Real velocity = time_ * at_points(velocity_columns, g),
+                 displacement = time_ * time_ * at_points(displacement_columns, g);
+      for (int m = 0; m < modes_.count; ++m) {
+        const Real u(now.u[m]), v(now.v[m]), a(now.a[m]);
+        store(buffers_.u_before, m, g, multiply_add(a, displacement, multiply_add(v, time, u)));
+        store(buffers_.v_before, m, g, multiply_add(a, velocity, v));
+        store(buffers_.a_at, m, g, multiply_add(Real(now.jerk[m]), time, a));
+        store(buffers_.force_at, m, g, Real(modes_.load[m]));
+      }
+    }
+    lanes_.sync();
+  }
+  /// Adds the moving forces: series of the modes, (power, lane), up to `order`, in units of `scale`
+  /// [s].
+  RA2D_FUNCTION void add_moving_forces(const double* series, int order, double scale) {
+    for (int g = 0; g < groups; ++g) {
+      const Real x = time_ / scale * at_points(point_shares, g);
+      for (int m = 0; m < modes_.count; ++m) {
+        Real f(series[order * row + m]);
+        for (int j = order - 1; j >= 0; --j) f = multiply_add(f, x, Real(series[j * row + m]));
+        store(buffers_.force_at, m, g, f + load(buffers_.force_at, m, g));
+      }
+    }
+    lanes_.sync();
+  }
+
+  /// Displacements and velocities from the accelerations.
+  RA2D_FUNCTION void move() const {
+    for (int g = 0; g < groups; ++g) {
+      Real velocity[last_point], displacement[last_point];
+      for (int j = 0; j < last_point; ++j) {
+        velocity[j] = time_ * at_points(velocity_columns + (j + 1) * point_row, g);
+        displacement[j] = time_ * time_ * at_points(displacement_columns + (j + 1) * point_row, g);
+      }
+      const double* const a = buffers_.a_at;
+      for (int m = 0, modes = modes_.count; m < modes; ++m) {
+        Real u = load(buffers_.u_before, m, g), v = load(buffers_.v_before, m, g);
+        for (int j = 0; j < last_point; ++j) {
+          const Real a_j(a[m * pitch + j]);
+          v = multiply_add(a_j, velocity[j], v);
+          u = multiply_add(a_j, displacement[j], u);
+        }
+        store(buffers_.v_at, m, g, v);
+        store(buffers_.u_at, m, g, u);
+      }
+    }
+    lanes_.sync();
+  }
+
+  /// What a sweep changes the accelerations by, and their size, as kinetic energies over the step
+  /// [J]: the most of all points.
+  struct Change {
+    double by, size;
+  };
+  /// Accelerations from displacements and velocities, with contact in the listed cells. `again`: it
+  /// is not the first sweep.
+  RA2D_FUNCTION Change accelerate(const int* cells, int count, bool again) {
+    Real by(0.0), size(0.0);
+    for (int g = 0; g < groups; ++g) {
+      work_[g] = Real(0.0);
+      contact_acts_[g] = false;
+      for (int e = 0; e < count; ++e) add_contact(cells[e], e, g, again);
+      for (int m = 0, modes = modes_.count; m < modes; ++m) {
+        const double omega = modes_.omega[m];
+        const Real force = load(contact_acts_[g] ? buffers_.contact_at : buffers_.force_at, m, g);
+        const Real held = multiply_add(adaptive_.decay[m], load(buffers_.v_at, m, g),
+                                       omega * omega * load(buffers_.u_at, m, g));
+        const Real a = multiply_add(adaptive_.inverse_mass[m], force, -held),
+                   change = a - load(buffers_.a_at, m, g);
+        by = multiply_add(modes_.mass[m], change * change, by);
+        size = multiply_add(modes_.mass[m], a * a, size);
+        store(buffers_.a_at, m, g, a);
+      }
+    }
+    lanes_.sync();
+    const double square = time_ * time_;
+    return {square * lanes_.max(by), square * lanes_.max(size)};
+  }
+
+  /// Writes velocities and accelerations of the points as rows of modes, their displacement at the
+  /// end to `u_end`, and the powers.
+  RA2D_FUNCTION void finish(double* u_end) const {
+    lanes_.sync();
+    if (lanes_.leader())
+      for (int m = 0; m < modes_.count; ++m) {
+        for (int i = 0; i < last_point; ++i) {
+          buffers_.velocity[(i + 1) * row + m] = buffers_.v_at[m * pitch + i];
+          buffers_.acceleration[(i + 1) * row + m] = buffers_.a_at[m * pitch + i];
+        }
+        u_end[m] = buffers_.u_at[m * pitch + last_point - 1];
+      }
+    for (int g = 0; g < groups; ++g) {
+      Real moving(0.0);
+      for (int m = 0; m < modes_.count; ++m)
+        moving = multiply_add(load(buffers_.force_at, m, g) - Real(modes_.load[m]),
+                              load(buffers_.v_at, m, g), moving);
+      double* const power = buffers_.power + 1 + g * width;
+      lanes_.store(power, motion_.advance / motion_.time_step * work_[g]);
+      lanes_.store(power + 1 + pitch, moving);
+    }
+    lanes_.sync();
+  }
+
+ private:
+  Lanes lanes_;
+  const ModeTables& modes_;
+  const SliderMotion& motion_;
+  const FaceTables& faces_;
+  const SliderShapes& slider_;
+  const SeriesTables& adaptive_;
+  const ContactTables& contact_;
+  ExpandedCells<Lanes, packs> cells_;
+  CellParts<Lanes> parts_;
+  PointBuffers& buffers_;
+  const double* table_ = nullptr;
+  double time_ = 0.0;
+  Real theta_[groups], offset_[groups];
+  Real work_[groups];  // J/chi, of the imposed motion over a spacing of the slider's path
+  bool contact_acts_[groups];
+
+  KOKKOS_FORCEINLINE_FUNCTION Real at_points(int numbers, int g) const {
+    return lanes_.load(table_ + numbers + g * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Real load(const double* rows, int m, int g) const {
+    return lanes_.load(rows + m * pitch + g * width);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void store(double* rows, int m, int g, const Real& x) const {
+    lanes_.store(rows + m * pitch + g * width, x);
+  }
+
+  /// The integrals of contact in a cell, at each point.
+  struct Contact {
+    Real moment[4], square, face_work;
+    bool any = false;
+  };
+  /// `moving`: the overlap but for the resonator's face. `ends`: where contact begins and ends, on
+  /// each side of the resonator's node; as the sweep before left it, if there was one (`again`).
+  RA2D_FUNCTION Contact contact(const CellFaces& faces, const Real& theta, const Real* moving,
+                                double* ends, bool again) {
+    Contact sum;
+    sum.square = sum.face_work = Real(0.0);
+    for (int j = 0; j < 4; ++j) sum.moment[j] = Real(0.0);
+    const Real knot = Real(0.5) - theta;
+    for (int side = 0; side < 2; ++side) {
+      const Real left = side == 0 ? Real(-0.5) : knot, right = side == 0 ? knot : Real(0.5);
+      Real piece[4], face[4], o[4];
+      for (int j = 0; j < 4; ++j) piece[j] = Real(faces.passing[side].c[j]);
+      shift_cubic(piece, theta + Real(0.5 - side), face);
+      for (int j = 0; j < 4; ++j) o[j] = moving[j] + face[j];
+      Real at_left[4], at_right[4];
+      shift_cubic(o, left, at_left);
+      shift_cubic(o, right, at_right);
+      double* const low = ends + side * 2 * pitch;
+      const Real near = nearness(at_left, at_right);
+      if (lanes_.at_least(near, 0.0) == 0) {
+        lanes_.store(low, Real(0.0));
+        lanes_.store(low + pitch, Real(0.0));
+        continue;
+      }
+      typename CellParts<Lanes>::Integrals part;
+      if (!again || !parts_.integrate_from(o, face, left, right, at_left, at_right, near,
+                                           lanes_.load(low), lanes_.load(low + pitch), part))
+        parts_.integrate(o, face, left, right, part);
+      lanes_.store(low, part.low);
+      lanes_.store(low + pitch, part.high);
+      for (int j = 0; j < 4; ++j) sum.moment[j] = sum.moment[j] + part.moment[j];
+      sum.square = sum.square + part.square;
+      sum.face_work = sum.face_work + part.face_work;
+      sum.any = true;
+    }
+    sum.any = sum.any && lanes_.at_least(sum.moment[0], 1e-300) != 0;
+    return sum;
+  }
+  /// Negative where an overlap is plainly negative between two places: it is concave there, and
+  /// from a negative end on it falls. Given the cubic about both.
+  KOKKOS_FORCEINLINE_FUNCTION static Real nearness(const Real* at_left, const Real* at_right) {
+    return Kokkos::max(
+        Kokkos::max(at_left[2], at_right[2]),
+        Kokkos::min(Kokkos::max(at_left[0], at_left[1]), Kokkos::max(at_right[0], -at_right[1])));
+  }
+
+  enum class Body { resonator, slider };
+  /// The modes of a body, and the rows of their cubics in an expanded cell.
+  struct Shapes {
+    int first, end;
+    const double* c[4];
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Shapes shapes(Body body, const double* rows) const {
+    Shapes found = body == Body::resonator ? Shapes{0, slider_.first_lane, {}}
+                                           : Shapes{slider_.first_lane, modes_.count, {}};
+    const int first = body == Body::resonator ? cell_path : cell_slider - 1;
+    found.c[0] = rows;
+    for (int j = 1; j < 4; ++j) found.c[j] = rows + (first + j) * row;
+    return found;
+  }
+  /// The displacement of a body, in its modes' own terms.
+  KOKKOS_FORCEINLINE_FUNCTION void sum_modes(Body body, const double* rows, Real* sum,
+                                             int g) const {
+    const Shapes phi = shapes(body, rows);
+    for (int j = 0; j < 4; ++j) sum[j] = Real(0.0);
+    for (int m = phi.first; m < phi.end; ++m) {
+      const Real u = load(buffers_.u_at, m, g);
+      for (int j = 0; j < 4; ++j) sum[j] = multiply_add(Real(phi.c[j][m]), u, sum[j]);
+    }
+  }
+  /// Adds the modal forces of contact whose moments are f.
+  KOKKOS_FORCEINLINE_FUNCTION void add_modal_forces(Body body, const double* rows, const Real* f,
+                                                    int g) const {
+    const Shapes phi = shapes(body, rows);
+    const double* const others = contact_acts_[g] ? buffers_.contact_at : buffers_.force_at;
+    for (int m = phi.first; m < phi.end; ++m) {
+      const Real low = multiply_add(Real(phi.c[0][m]), f[0], Real(phi.c[1][m]) * f[1]),
+                 high = multiply_add(Real(phi.c[2][m]), f[2], Real(phi.c[3][m]) * f[3]);
+      store(buffers_.contact_at, m, g, load(others, m, g) - (low + high));
+    }
+  }
+
+  /// Contact in a cell, number e of the list: adds its modal forces and its work.
+  RA2D_FUNCTION void add_contact(int cell, int e, int g, bool again) {
+    const double* const c = cells_.shapes_of(cell);
+    const CellFaces faces = cells_.faces(cell);
+    // displacements in the shapes' own terms: along the path, and along the slider
+    Real d[4], own[4];
+    sum_modes(Body::resonator, c, d, g);
+    sum_modes(Body::slider, c, own, g);
+    const Real& x = offset_[g];
+    Real passing[4], moving[4];  // the resonator's displacement; all but the resonator's face
+    shift_cubic(d, x, passing);
+    for (int j = 0; j < 4; ++j) moving[j] = (Real(faces.own.c[j]) + passing[j]) + own[j];
+    const Contact found =
+        contact(faces, theta_[g], moving, buffers_.ends + e * (4 * pitch) + g * width, again);
+    double* const force = buffers_.force + e * (1 + pitch) + 1 + g * width;
+    if (!found.any) {
+      lanes_.store(force, Real(0.0));
+      return;
+    }
+    const Real spring(contact_.node_stiffness);  // of a whole cell
+    lanes_.store(buffers_.centre + e * (1 + pitch) + 1 + g * width,
+                 Real(along_row(faces_, cell) + 0.5) +
+                     found.moment[1] / Kokkos::max(found.moment[0], Real(1e-300)));
+    Real f[4];
+    for (int j = 0; j < 4; ++j) f[j] = spring * found.moment[j];
+    lanes_.store(force, f[0]);
+    work_[g] = multiply_add(spring, found.face_work, work_[g]);
+    work_[g] = work_[g] + multiply_add(passing[1], f[0],
+                                       multiply_add(Real(2.0) * passing[2], f[1],
+                                                    Real(3.0) * passing[3] * f[2]));
+    // those of the resonator's modes by moments about the origin of its shapes: of (x + eta)^j
+    const Real f1 = multiply_add(x, f[0], f[1]), f2 = multiply_add(x, f[1] + f1, f[2]),
+               f3 = multiply_add(x, multiply_add(x, f[1] + f[1] + f1, Real(3.0) * f[2]), f[3]);
+    const Real of_path[4] = {f[0], f1, f2, f3};
+    add_modal_forces(Body::resonator, c, of_path, g);
+    add_modal_forces(Body::slider, c, f, g);
+    contact_acts_[g] = true;
+  }
+};
+
+}  // namespace ra2d
