@@ -130,22 +130,23 @@ inline constexpr int point_shares = 0;  // of the step's time
 inline constexpr int velocity_columns = point_shares + point_row;
 /// and in the integral of y: those weights of these weights
 inline constexpr int displacement_columns = velocity_columns + collocation_points * point_row;
-/// Then rows of one number for each point:
-inline constexpr int first_collocation_row = displacement_columns + collocation_points * point_row;
+/// Then, of one number for each point:
 enum CollocationRow : int {
-  point_places,         // x of each point
-  barycentric_weights,  // of the polynomial through a value at each point
-  end_weights,          // in y(1) - y(0)
-  legendre_8,           // in f's coefficients in Legendre polynomials, of these degrees
-  legendre_7,           //
-  legendre_4,           //
-  legendre_3,           //
-  motion_weights,       // row m: in that of x^m in y(x) - y(0)
-  collocation_rows = motion_weights + motion_terms
+  point_places = displacement_columns + collocation_points * point_row,  // x of each point
+  // weights in the polynomial through a value at each point,
+  barycentric_weights = point_places + collocation_points,
+  // in y(1) - y(0),
+  end_weights = barycentric_weights + collocation_points,
+  // in f's coefficients in Legendre polynomials of these degrees,
+  legendre_8 = end_weights + collocation_points,
+  legendre_7 = legendre_8 + collocation_points,
+  legendre_4 = legendre_7 + collocation_points,
+  legendre_3 = legendre_4 + collocation_points,
+  // row m: in that of x^m in y(x) - y(0)
+  motion_weights = legendre_3 + collocation_points,
+  collocation_end = motion_weights + motion_terms * collocation_points
 };
-constexpr int collocation_row(int row) { return first_collocation_row + row * collocation_points; }
-inline constexpr int pace_numbers =
-    (collocation_row(collocation_rows) + point_row - 1) / point_row * point_row;
+inline constexpr int pace_numbers = (collocation_end + point_row - 1) / point_row * point_row;
 
 /// Nodes of a tile along a row, but for lanes that are more, and rows of one.
 inline constexpr int tile_nodes = 32, tile_rows = 8;

@@ -86,7 +86,7 @@ void fill_collocation(double* table) {
       for (int k = 0; k <= degree; ++k) integral[i][j] += coefficients[k][j] * integrals[k] / 2;
   }
   for (int pace = 0; pace < paces; ++pace, table += pace_numbers) {
-    const auto number = [&](int row, int j) -> double& { return table[collocation_row(row) + j]; };
+    const auto number = [&](int row, int j) -> double& { return table[row + j]; };
     std::array<Real, collocation_points> rate;
     for (int j = 0; j <= degree; ++j) {
       const double x = static_cast<double>((points[j] + 1) / 2);
@@ -109,7 +109,8 @@ void fill_collocation(double* table) {
       for (int m = 1; m < motion_terms; ++m) {
         Real power = 0;
         for (int k = 0; k <= degree; ++k) power += coefficients[k][j] * powers[k][m - 1];
-        number(motion_weights + m, j) = static_cast<double>(power * rate[j] / m);
+        number(motion_weights + m * collocation_points, j) =
+            static_cast<double>(power * rate[j] / m);
       }
       for (int i = 1; i <= degree; ++i) {
         Real twice = 0;

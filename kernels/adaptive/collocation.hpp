@@ -62,9 +62,9 @@ class CollocationSweeps {
     time_ = ticks * motion_.time_step;
     for (int g = 0; g < groups; ++g) {
       const Real share = at_points(point_shares, g), time = time_ * share;
-      const Real way = motion_.advance * ticks * share;
-      theta_[g] = Real(start.theta) + way;
-      offset_[g] = Real(start.offset) + way;
+      const Real travelled = motion_.advance * ticks * share;
+      theta_[g] = Real(start.theta) + travelled;
+      offset_[g] = Real(start.offset) + travelled;
       const Real velocity = time_ * at_points(velocity_columns, g),
                  displacement = time_ * time_ * at_points(displacement_columns, g);
       for (int m = 0; m < modes_.count; ++m) {
@@ -114,8 +114,8 @@ class CollocationSweeps {
     lanes_.sync();
   }
 
-  /// What a sweep changes the accelerations by, and their size, as kinetic energies over the step
-  /// [J]: the most of all points.
+  /// The accelerations' change by a sweep, and their size, as kinetic energies over the step [J]:
+  /// the most of all points.
   struct Change {
     double by, size;
   };

@@ -376,7 +376,7 @@ class Overlaps {
       return after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
     });
   }
-  /// The same by a cubic over each half of the step, which leaves out far less.
+  /// As above, by a cubic over each half of the step, which leaves out far less.
   RA2D_FUNCTION int keep_close(const End& start, const End& middle, const End& end, int flagged,
                                double modes_left_out, double slide_rate, double change,
                                double tolerance) const {

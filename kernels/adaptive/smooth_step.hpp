@@ -142,7 +142,7 @@ class SmoothStep {
   RA2D_FUNCTION void find_motion() {
     for (int m = 0; m < motion_terms; ++m) {
       Real u[packs], v[packs];
-      sum(motion_weights + m, u, v);
+      sum(motion_weights + m * collocation_points, u, v);
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         lanes_.store(buffers_.u + m * row + p * width,
                      multiply_add(time_, u[p], m == 0 ? now_.u[p] : Real(0.0)));
@@ -207,15 +207,13 @@ class SmoothStep {
   KOKKOS_FORCEINLINE_FUNCTION double ticks() const { return ticks_; }
   KOKKOS_FORCEINLINE_FUNCTION int cells() const { return cells_; }
   /// The x of a point, and the share of the step's time at which it stands.
-  KOKKOS_FORCEINLINE_FUNCTION double place(int point) const {
-    return table_[collocation_row(point_places) + point];
-  }
+  KOKKOS_FORCEINLINE_FUNCTION double place(int point) const { return table_[point_places + point]; }
   KOKKOS_FORCEINLINE_FUNCTION double share(int point) const {
     return pace_share(pace_, place(point));
   }
   /// The polynomial through a value at each point, at x.
   RA2D_FUNCTION double between(const double* values, double x) const {
-    const double* const weights = table_ + collocation_row(barycentric_weights);
+    const double* const weights = table_ + barycentric_weights;
     double sum = 0.0, of_weights = 0.0;
     for (int i = 0; i < collocation_points; ++i) {
       const double distance = x - place(i);
@@ -266,12 +264,12 @@ class SmoothStep {
     Weights w;
     for (int i = 0; i < collocation_points; ++i) {
       if (x == 1.0) {
-        w.of[i] = table_[collocation_row(end_weights) + i];
+        w.of[i] = table_[end_weights + i];
         continue;
       }
       double sum = 0.0;
       for (int m = motion_terms - 1; m >= 0; --m)
-        sum = Kokkos::fma(sum, x, table_[collocation_row(motion_weights + m) + i]);
+        sum = Kokkos::fma(sum, x, table_[motion_weights + m * collocation_points + i]);
       w.of[i] = sum;
     }
     return w;
@@ -354,7 +352,7 @@ class SmoothStep {
 
   /// Weighted sums of the velocities and accelerations of the points.
   KOKKOS_FORCEINLINE_FUNCTION void sum(int weights, Real* u, Real* v) const {
-    const double* w = table_ + collocation_row(weights);
+    const double* w = table_ + weights;
     for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = Real(0.0);
     for (int j = 0; j < collocation_points; ++j) {
       for (int p = 0; p < filled<packs>(lanes_); ++p) {

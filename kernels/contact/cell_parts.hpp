@@ -112,10 +112,10 @@ class CellParts {
     sum.low = sum.high = Real(0.0);
     lanes_.sync();
   }
-  /// The same, from `low` and `high` as they were a little before. `at_left`, `at_right`: the cubic
-  /// about these ends. Where `near` is negative there is plainly no contact. False where it must be
-  /// found as ever: contact vanishes in a lane or reaches another end of the part, the overlap is
-  /// not concave, or one step of the search is not enough.
+  /// As above, from `low` and `high` as they were a little before. `at_left`, `at_right`: the cubic
+  /// about the part's ends. Where `near` is negative there is plainly no contact. False where
+  /// integrate() must find it: contact vanishes in a lane or reaches another end of the part, the
+  /// overlap is not concave, or two steps of the search are not enough.
   RA2D_FUNCTION bool integrate_from(const Real* o, const Real* f, const Real& left,
                                     const Real& right, const Real* at_left, const Real* at_right,
                                     const Real& near, const Real& low, const Real& high,
@@ -269,7 +269,7 @@ class CellParts {
     sum.high = if_positive(closed, high + about_middle, none);
     return lanes_.at_least(Kokkos::max(-concave, seek), 1.0);
   }
-  /// What Halley's method takes off both roots, by one division.
+  /// Halley's steps for both roots, by one division: to be taken off them.
   KOKKOS_FORCEINLINE_FUNCTION static void halley_steps(const Real* q, const Real& low,
                                                        const Real& high, Real& by_low,
                                                        Real& by_high) {

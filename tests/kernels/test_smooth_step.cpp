@@ -25,10 +25,9 @@ struct Points {
   Pace pace;
 
   explicit Points(Pace pace) : pace{pace} { fill_collocation(table.data()); }
-  const double* numbers(int first) const {
+  const double* row(int first) const {
     return table.data() + static_cast<int>(pace) * pace_numbers + first;
   }
-  const double* row(int r) const { return numbers(collocation_row(r)); }
   double x(int point) const { return row(point_places)[point]; }
   double share(int point) const { return pace_share(pace, x(point)); }
   struct Sum {
@@ -69,7 +68,7 @@ TEST_P(PointsAtAPace, StandAlikeOnBothSidesAndAtBothEnds) {
     EXPECT_NEAR(p.x(i) + p.x(last_point - i), 1, 2 * eps);
     if (i > 0) {
       EXPECT_GT(p.x(i), p.x(i - 1));
-      EXPECT_EQ(p.numbers(point_shares)[i - 1], p.share(i));
+      EXPECT_EQ(p.row(point_shares)[i - 1], p.share(i));
     }
   }
 }
@@ -90,7 +89,7 @@ TEST_P(PointsAtAPace, IntegratePowersOfTheTimeExactly) {
 TEST_P(PointsAtAPace, LeadFromTheBeginningToEachPoint) {
   const Points p(GetParam());
   const auto column = [&](int columns, int i) {
-    return [=, &p](int j) { return p.numbers(columns)[j * point_row + i - 1]; };
+    return [=, &p](int j) { return p.row(columns)[j * point_row + i - 1]; };
   };
   for (int i = 1; i < collocation_points; ++i)
     for (int k = 0; k <= p.power_of(8); ++k) {
@@ -121,7 +120,7 @@ TEST_P(PointsAtAPace, AreThoseOfOnePolynomial) {
       const auto motion = [&](int j) {
         double sum = 0;
         for (int m = motion_terms - 1; m >= 0; --m) {
-          const double weight = p.row(motion_weights + m)[j];
+          const double weight = p.row(motion_weights + m * collocation_points)[j];
           most = std::max(most, std::abs(weight));
           sum = sum * x + weight;
         }
@@ -146,7 +145,7 @@ TEST_P(PointsAtAPace, TellLegendreCoefficients) {
         const double rate = pace_rate(p.pace, p.x(j));
         if (rate > 0) sum += p.row(row)[j] * std::legendre(k, 2 * p.x(j) - 1) / rate;
       }
-      // where the slider's way has no rate, that point is missing
+      // where the time has no rate, that point is missing
       const int missing = p.pace == Pace::from_onset ? 0 : last_point;
       if (p.pace != Pace::even) {
         const Points even(Pace::even);
