@@ -65,12 +65,23 @@ def count(program, ptx, quick):
     return counts
 
 
+def expected(kept, name, key, in_contact):
+    """What was counted, for another share of contact: on the line through both stretches of a
+    march. Motions are chaotic, and begin with another last bit on another make of processor."""
+    of = kept[name]
+    other = next(there for at, there in kept.items()
+                 if at != name and there["march"] == of["march"])
+    slope = (of[key] - other[key]) / (of["in_contact"] - other["in_contact"])
+    return of[key] + slope * (in_contact - of["in_contact"])
+
+
 def rises(now, kept, keys):
     """What is more than it may be, in words."""
-    for name, of in kept.items():
+    for name in kept:
         for key in keys:
-            if now[name][key] > MARGIN * of[key]:
-                yield f"{name}: {key} rose from {of[key]:g} to {now[name][key]:g}"
+            most = expected(kept, name, key, now[name]["in_contact"])
+            if now[name][key] > MARGIN * most:
+                yield f"{name}: {key} rose from {most:g} to {now[name][key]:g}"
 
 
 def main():

@@ -250,15 +250,17 @@ class CollocationSweeps {
   /// The modes of a body, and the rows of their cubics in an expanded cell.
   struct Shapes {
     int first, end;
-    const double* c[4];
+    const double *c0, *c1, *c2, *c3;
   };
   KOKKOS_FORCEINLINE_FUNCTION Shapes shapes(Body body, const double* rows) const {
-    Shapes found = body == Body::resonator ? Shapes{0, slider_.first_lane, {}}
-                                           : Shapes{slider_.first_lane, modes_.count, {}};
-    const int first = body == Body::resonator ? cell_path : cell_slider - 1;
-    found.c[0] = rows;
-    for (int j = 1; j < 4; ++j) found.c[j] = rows + (first + j) * row;
-    return found;
+    const bool passes = body == Body::resonator;
+    const double* const c1 = rows + (passes ? cell_path + 1 : cell_slider) * row;
+    return {passes ? 0 : slider_.first_lane,
+            passes ? slider_.first_lane : modes_.count,
+            rows,
+            c1,
+            c1 + row,
+            c1 + 2 * row};
   }
   /// The displacement of a body, in its modes' own terms.
   KOKKOS_FORCEINLINE_FUNCTION void sum_modes(Body body, const double* rows, Real* sum,
@@ -267,7 +269,10 @@ class CollocationSweeps {
     for (int j = 0; j < 4; ++j) sum[j] = Real(0.0);
     for (int m = phi.first; m < phi.end; ++m) {
       const Real u = load(buffers_.u_at, m, g);
-      for (int j = 0; j < 4; ++j) sum[j] = multiply_add(Real(phi.c[j][m]), u, sum[j]);
+      sum[0] = multiply_add(Real(phi.c0[m]), u, sum[0]);
+      sum[1] = multiply_add(Real(phi.c1[m]), u, sum[1]);
+      sum[2] = multiply_add(Real(phi.c2[m]), u, sum[2]);
+      sum[3] = multiply_add(Real(phi.c3[m]), u, sum[3]);
     }
   }
   /// Adds the modal forces of contact whose moments are f.
@@ -276,8 +281,8 @@ class CollocationSweeps {
     const Shapes phi = shapes(body, rows);
     const double* const others = contact_acts_[g] ? buffers_.contact_at : buffers_.force_at;
     for (int m = phi.first; m < phi.end; ++m) {
-      const Real low = multiply_add(Real(phi.c[0][m]), f[0], Real(phi.c[1][m]) * f[1]),
-                 high = multiply_add(Real(phi.c[2][m]), f[2], Real(phi.c[3][m]) * f[3]);
+      const Real low = multiply_add(Real(phi.c0[m]), f[0], Real(phi.c1[m]) * f[1]),
+                 high = multiply_add(Real(phi.c2[m]), f[2], Real(phi.c3[m]) * f[3]);
       store(buffers_.contact_at, m, g, load(others, m, g) - (low + high));
     }
   }

@@ -231,7 +231,7 @@ class SmoothDrive {
     if (release < 0.02 * whole) {
       end = 1.05 * release + least;
     } else if (release < 0.4 * whole && pace == Pace::even) {
-      end = 0.98 * release;
+      end = release;
       pace = Pace::to_release;
     } else if (release < whole) {
       end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
