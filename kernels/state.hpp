@@ -299,8 +299,9 @@ struct PointBuffers {
   double* power = nullptr;  // W: (first point, points) of the imposed motion, then of moving forces
   int* cells = nullptr;     // evaluated
   double* force = nullptr;  // N, (cell, first point, points)
-  double* centre = nullptr;  // chi, (cell, first point, points): where it acts on the slider
-  double* ends = nullptr;    // of contact: (cell, side, 2, points)
+  double* centre = nullptr;       // chi, (cell, first point, points): where it acts on the slider
+  double* shock_force = nullptr;  // N, (point): of one shock
+  double* ends = nullptr;         // of contact: (cell, side, 2, points)
   CellRun* runs = nullptr;
   int cell_count = 0, run_count = 0, listed = 0;
 };
@@ -472,6 +473,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
                           &s.points.contact_at, &s.points.u_before, &s.points.v_before})
       visit("at_points", *rows, lanes * points);
     visit("point_power", s.points.power, 2 * (1 + points));
+    visit("shock_force", s.points.shock_force, std::size_t{collocation_points});
     visit("point_cells", s.points.cells, contacts);
     visit("point_force", s.points.force, contacts * (1 + points));
     visit("point_centre", s.points.centre, contacts * (1 + points));

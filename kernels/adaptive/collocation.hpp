@@ -202,8 +202,8 @@ class CollocationSweeps {
   };
   /// `moving`: the overlap but for the resonator's face. `ends`: where contact begins and ends, on
   /// each side of the resonator's node; as the sweep before left it, if there was one (`again`).
-  RA2D_FUNCTION Contact contact(const CellFaces& faces, const Real& theta, const Real* moving,
-                                double* ends, bool again) {
+  KOKKOS_FORCEINLINE_FUNCTION Contact contact(const CellFaces& faces, const Real& theta,
+                                              const Real* moving, double* ends, bool again) {
     Contact sum;
     sum.square = sum.face_work = Real(0.0);
     for (int j = 0; j < 4; ++j) sum.moment[j] = Real(0.0);

@@ -50,8 +50,17 @@ class ExpectedEvents {
       int last = cells[e];
       for (; e < count && cells[e] <= last + 1; ++e) {
         last = cells[e];
-        const ForeseenCell path = foresee(cells[e], u, v, acceleration, third);
-        const double now = path.highest_after(0.0), then = path.highest_after(horizon);
+        ForeseenCell path;
+        path.now = node_contact_.moving_cell(cells[e], place_, u, v, speed_);
+        const double now = path.highest_after(0.0);
+        // far from contact its second derivative tells enough
+        foresee_second(cells[e], acceleration, path);
+        if (force[e * apart] == 0.0 && now + path.most_rise(1.25 * horizon) < 0.0) {
+          if (lanes_.leader()) stays_open[e] = 1;
+          continue;
+        }
+        path.third[0] = path.third[1] = node_contact_.along(cells[e], place_, third);
+        const double then = path.highest_after(horizon);
         const bool open = force[e * apart] == 0.0 && now < 0.0 && then < 0.0 &&
                           path.highest_after(0.5 * horizon) < 0.0 &&
                           path.highest_after(1.25 * horizon) < 0.0;
@@ -76,20 +85,14 @@ class ExpectedEvents {
   Place place_;
   double speed_;  // chi/s
 
-  RA2D_FUNCTION ForeseenCell foresee(int cell, const Real* u, const Real* v,
-                                     const Real* acceleration, const Real* third) const {
-    ForeseenCell path;
-    path.now = node_contact_.moving_cell(cell, place_, u, v, speed_);
-    const Cubic of_second = node_contact_.along(cell, place_, acceleration),
-                of_third = node_contact_.along(cell, place_, third);
+  RA2D_FUNCTION void foresee_second(int cell, const Real* acceleration, ForeseenCell& path) const {
+    const Cubic of_modes = node_contact_.along(cell, place_, acceleration);
     for (int side = 0; side < 2; ++side) {
       const Cubic face = node_contact_.passing(cell, place_, side);
-      path.second[side] = of_second;
-      path.second[side].c[0] = Kokkos::fma(speed_ * speed_, 2.0 * face.c[2], of_second.c[0]);
-      path.second[side].c[1] = Kokkos::fma(speed_ * speed_, 6.0 * face.c[3], of_second.c[1]);
-      path.third[side] = of_third;
+      path.second[side] = of_modes;
+      path.second[side].c[0] = Kokkos::fma(speed_ * speed_, 2.0 * face.c[2], of_modes.c[0]);
+      path.second[side].c[1] = Kokkos::fma(speed_ * speed_, 6.0 * face.c[3], of_modes.c[1]);
     }
-    return path;
   }
 
   /// u''' = F'/m - 2 zeta omega u'' - omega^2 u'

@@ -690,18 +690,21 @@ class SmoothDrive {
     const double share = pace_share(step_.pace(), x);
     for (int i = 0; i < shocks_.open_count; ++i) {
       // between the points, the polynomial through their forces shows where
-      double force[collocation_points], highest = 0.0;
+      double highest = 0.0;
       int top = 0;
+      lanes_.sync();
       for (int s = 0; s <= last_point; ++s) {
-        force[s] = 0.0;
+        double force = 0.0;
         for (int e = 0; e < cells_; ++e)
-          if (belongs(i, points_.cells[e])) force[s] += points_.force[e * points + s];
-        if (step_.share(s) > share || force[s] <= highest) continue;
-        highest = force[s];
+          if (belongs(i, points_.cells[e])) force += points_.force[e * points + s];
+        if (lanes_.leader()) points_.shock_force[s] = force;
+        if (step_.share(s) > share || force <= highest) continue;
+        highest = force;
         top = s;
       }
+      lanes_.sync();
       if (!(1.02 * highest > shocks_.open[i].peak)) continue;
-      const auto between = [&](double place) { return step_.between(force, place); };
+      const auto between = [&](double place) { return step_.between(points_.shock_force, place); };
       Highest found =
           highest_between(top > 0 ? step_.place(top - 1) : 0.0,
                           top < last_point ? Kokkos::min(x, step_.place(top + 1)) : x, between);

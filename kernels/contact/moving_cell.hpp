@@ -38,6 +38,20 @@ struct ForeseenCell {
   MovingCell now;
   Cubic second[2], third[2];
 
+  /// No place rises by more until a time s, as two derivatives tell.
+  RA2D_FUNCTION double most_rise(double s) const {
+    double most = 0.0;
+    for (int side = 0; side < 2; ++side) {
+      double rise = 0.0, power = 1.0;
+      for (int j = 0; j < 4; ++j, power *= 0.5)
+        rise = Kokkos::fma(
+            power,
+            Kokkos::fma(0.5 * s, Kokkos::abs(second[side].c[j]), Kokkos::abs(now.rate[side].c[j])),
+            rise);
+      most = Kokkos::max(most, rise);
+    }
+    return s * most;
+  }
   /// The largest overlap after a time s.
   RA2D_FUNCTION double highest_after(double s) const {
     Highest highest{-1e300, 0.0};
