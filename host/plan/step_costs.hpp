@@ -37,7 +37,7 @@ inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 inline constexpr double row_smooth_steps = 0.75, row_smooth_steps_more = 0.065,
                         row_smooth_more_share = 0.55;
 // Between smooth faces: a step with contact, of nine points.
-inline constexpr double smooth_step = 7500.0;
+inline constexpr double smooth_step = 7000.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
 // average over runs of rough faces, for each that a contact is wide.
 inline constexpr double more_share = 0.25, usual_more_share = 0.14;
@@ -46,7 +46,7 @@ inline constexpr double more_share = 0.25, usual_more_share = 0.14;
 // node ends a step, and a radian takes so many steps at the tolerance of 1e-6; the error of a step
 // goes with this power of its length.
 inline constexpr double steps_a_crossing = 1.2, steps_a_wide_crossing = 3.5, steps_a_radian = 0.45,
-                        smooth_steps_a_radian = 0.7, smooth_order = 12;
+                        smooth_steps_a_radian = 0.7, smooth_order = 16;
 
 // Of forces that are found with the end of the step, at many nodes
 // (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how many;
