@@ -394,7 +394,7 @@ struct FlightTables {
 /// The steps of the adaptive scheme in contact between smooth faces
 /// (kernels/adaptive/smooth_step.hpp).
 struct CollocationTables {
-  const double* paces = nullptr;  // (Pace): CollocationRow and what follows it
+  const double* paces = nullptr;  // (Pace): point_shares and what follows it
 };
 
 struct MovingForces {

@@ -113,7 +113,7 @@ class SmoothDrive {
     double next = 0.0;  // s, what it asks for
     while (true) {
       step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
-      find_runs(1.0, last_point);
+      find_runs(1.0);
       const auto errors = step_.errors();
       Course course = Course::smooth;
       if (any_begins_or_ends())
@@ -315,7 +315,6 @@ class SmoothDrive {
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
     const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
     if (!overlaps_.has_room(flagged)) return -1.0;
-    find_runs(1.0, last_point);
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
     const double tolerance = overlaps_.overlap_rounding(now.u);
@@ -364,7 +363,7 @@ class SmoothDrive {
       end = step_.end();
     } else {
       step_.state(x, end.u, end.v);
-      find_runs(pace_share(step_.pace(), x), last_point);
+      find_runs(pace_share(step_.pace(), x));
     }
     const auto weights = step_.weights(x);
     step_.squares(weights, end.square);
@@ -428,16 +427,15 @@ class SmoothDrive {
 
   // ---- runs of cells in contact
 
-  /// Finds the runs of cells in contact at any point up to `last`, and up to a share of the step's
-  /// time.
-  RA2D_FUNCTION void find_runs(double share, int last) const {
+  /// Finds the runs of cells in contact at any point up to a share of the step's time.
+  RA2D_FUNCTION void find_runs(double share) const {
     lanes_.sync();
     if (lanes_.leader()) {
       int count = 0;
       for (int e = 0; e < cells_; ++e) {
         const double* force = points_.force + e * points;
         bool touched = false;
-        for (int i = 0; i <= last; ++i)
+        for (int i = 0; i <= last_point; ++i)
           touched = touched || (force[i] > 0.0 && step_.share(i) <= share);
         if (!touched) continue;
         const int cell = points_.cells[e];
