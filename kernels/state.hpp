@@ -144,6 +144,19 @@ struct StepControl {
   bool contact_begins = false;  // smooth faces: at the beginning of the next step
 };
 
+/// Form::adaptive, smooth faces: what the next step in contact starts with, as the step before it
+/// left it.
+struct StepStart {
+  bool knows_forces = false, knows_rates = false;
+  int count = 0;                                 // cells that carry force
+  double energy = 0;                             // J, of the springs
+  double power = 0, moving_power = 0;            // W, of the imposed motion, of the moving forces
+  int* cells = nullptr;                          // that carry force, in ascending order
+  double *forces = nullptr, *centres = nullptr;  // N; chi, where each acts on the slider
+  double* acceleration = nullptr;                // of the modes
+  double* jerk = nullptr;                        // (2, lane): its first and second derivative
+};
+
 /// All that a march goes on from. A saved run that goes on from this gives the same bits. A
 /// checkpoint holds its bytes, and its arrays.
 struct CarriedState {
@@ -158,6 +171,7 @@ struct CarriedState {
   std::int64_t adaptive_steps = 0;  // made
   ContactSet contacts;
   StepControl control;
+  StepStart begin;
 };
 
 // ---- marks and caches
@@ -284,18 +298,18 @@ struct CellRun {
 /// Form::adaptive, smooth faces: a step by collocation, and the motion over it
 /// (kernels/adaptive/smooth_step.hpp). "points" are all but the first; see padded_points.
 struct PointBuffers {
-  double* velocity = nullptr;      // (point, lane)
-  double* acceleration = nullptr;  // (point, lane)
-  double* jerk = nullptr;          // rate of the accelerations at the beginning
-  double* u = nullptr;             // (power of x, lane): the modes' displacement
-  double* v = nullptr;             // (power of x, lane): their velocity
-  double* u_at = nullptr;          // (mode, points)
-  double* v_at = nullptr;          // (mode, points)
-  double* a_at = nullptr;          // (mode, points)
-  double* force_at = nullptr;      // N m^(-1/2), (mode, points): of all but contact
-  double* contact_at = nullptr;    // N m^(-1/2), (mode, points): with contact, where there is any
-  double* u_before = nullptr;      // (mode, points): displacement by what the beginning tells
-  double* v_before = nullptr;      // (mode, points)
+  double* velocity = nullptr;       // (point, lane)
+  double* acceleration = nullptr;   // (point, lane)
+  double* u = nullptr;              // (power of x, lane): the modes' displacement
+  double* v = nullptr;              // (power of x, lane): their velocity
+  double* u_at = nullptr;           // (mode, points)
+  double* v_at = nullptr;           // (mode, points)
+  double* a_at = nullptr;           // (mode, points)
+  double* force_at = nullptr;       // N m^(-1/2), (mode, points): of all but contact
+  double* contact_at = nullptr;     // N m^(-1/2), (mode, points): with contact, where there is any
+  double* u_before = nullptr;       // (mode, points): displacement by what the beginning tells
+  double* v_before = nullptr;       // (mode, points)
+  double* spring_energy = nullptr;  // J, (points)
   double* power = nullptr;  // W: (first point, points) of the imposed motion, then of moving forces
   int* cells = nullptr;     // evaluated
   double* force = nullptr;  // N, (cell, first point, points)
@@ -303,7 +317,7 @@ struct PointBuffers {
   double* shock_force = nullptr;  // N, (point): of one shock
   double* ends = nullptr;         // of contact: (cell, side, 2, points)
   CellRun* runs = nullptr;
-  int cell_count = 0, run_count = 0, listed = 0;
+  int run_count = 0, listed = 0;
 };
 
 /// Form::adaptive: of each node in contact, over a step.
@@ -396,6 +410,14 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
   visit("runs", s.shocks.runs, static_cast<std::size_t>(n.runs()));
   visit("open", s.shocks.open, 2 * static_cast<std::size_t>(n.runs()));
   if (n.adaptive()) visit("closed", s.contacts.nodes, static_cast<std::size_t>(n.contacts));
+  if (n.adaptive() && n.smooth) {
+    const auto contacts = static_cast<std::size_t>(n.contacts);
+    visit("acceleration", s.begin.acceleration, lanes);
+    visit("jerk", s.begin.jerk, 2 * lanes);
+    visit("begin_cells", s.begin.cells, contacts);
+    visit("begin_forces", s.begin.forces, contacts);
+    visit("begin_centres", s.begin.centres, contacts);
+  }
 }
 
 template <class Visit>
@@ -466,12 +488,12 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     const auto points = static_cast<std::size_t>(padded_points(n.width));
     visit("point_velocity", s.points.velocity, collocation_points * lanes);
     visit("point_acceleration", s.points.acceleration, collocation_points * lanes);
-    visit("jerk", s.points.jerk, lanes);
     visit("motion_u", s.points.u, motion_terms * lanes);
     visit("motion_v", s.points.v, motion_terms * lanes);
     for (double** rows : {&s.points.u_at, &s.points.v_at, &s.points.a_at, &s.points.force_at,
                           &s.points.contact_at, &s.points.u_before, &s.points.v_before})
       visit("at_points", *rows, lanes * points);
+    visit("spring_energy", s.points.spring_energy, points);
     visit("point_power", s.points.power, 2 * (1 + points));
     visit("shock_force", s.points.shock_force, std::size_t{collocation_points});
     visit("point_cells", s.points.cells, contacts);

@@ -72,7 +72,8 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
   if (std::string fault = bind(saved, n, s); !fault.empty()) return fault;
   if (s.status != Status::running) return "it is of a run that has ended";
   if (!is_truth(saved.values.modal.begun) || !is_truth(saved.values.sampling.pending) ||
-      !is_truth(saved.values.control.contact_begins))
+      !is_truth(saved.values.control.contact_begins) ||
+      !is_truth(saved.values.begin.knows_forces) || !is_truth(saved.values.begin.knows_rates))
     return "it is no state";
   if (!is_within(s.step, 0, steps)) return "its step is beyond the run";
   if (!is_within(s.sampling.next, 0, samples)) return "its next sample is beyond the run";
@@ -91,6 +92,7 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
         node % length >= cells)
       return "its closed nodes do not ascend";
   }
+  if (!is_within(s.begin.count, 0, n.contacts)) return "its cells with force are too many";
   if (!is_within(s.control.shape_terms, 1, 4)) return "its number of terms is none";
   if (!is_within(s.control.flight_level, 0, 60)) return "its flight is too long";
   return {};

@@ -18,7 +18,7 @@ int numerics_version_of(const Scene& scene) {
     return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
                ? 3
                : numerics_version;
-  if (scene.faces == Faces::smooth) return 4;  // collocation
+  if (scene.faces == Faces::smooth) return 5;  // collocation, planned by its own sweeps
   // nodes in contact are gathered in clusters
   return scene.kind == SceneKind::areal ? 3 : numerics_version;
 }

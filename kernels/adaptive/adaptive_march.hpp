@@ -142,7 +142,6 @@ class AdaptiveMarch {
   AdaptiveRecorder<Lanes, packs> recorder_;
   std::int64_t tick_;
   Modes now_;
-  typename SmoothDrive<Lanes, packs>::Start smooth_start_;
 
   RA2D_FUNCTION NodeContact<Lanes, packs> node_contact() const {
     return {lanes_,         tables_.motion,  tables_.faces,
@@ -314,8 +313,10 @@ class AdaptiveMarch {
   KOKKOS_FORCEINLINE_FUNCTION void begin_smooth_contact() {
     if (!tables_.faces.smooth) [[likely]]
       return;
-    smooth_start_.is_valid = false;  // of a contact before
-    if (lanes_.leader()) state_.carried.control.contact_begins = true;
+    if (lanes_.leader()) {
+      state_.carried.control.contact_begins = true;
+      state_.carried.begin.knows_forces = state_.carried.begin.knows_rates = false;
+    }
     lanes_.sync();
   }
 
@@ -448,12 +449,12 @@ class AdaptiveMarch {
         lanes_, tables_.modes, tables_.motion, tables_.faces, tables_.slider, tables_.adaptive,
         tables_.forces, tables_.contact, tables_.collocation, node_contact(),
         {lanes_, state_.marks, state_.caches}, work.contact_list, work.series.forces,
-        carried.control.series_scale, now_, place, work.points);
-    Drive make_step(lanes_, tables_.modes, tables_.motion, tables_.bounds, tables_.faces,
-                    tables_.adaptive, tables_.forces, path_, node_contact(), moving_forces_,
-                    overlaps_, contacts_, recorder_, step, carried.contacts, carried.control,
-                    carried.shocks, work, state_.out.ended_shocks);
-    switch (make_step(now_, tick_, place, available, smooth_start_)) {
+        carried.control.series_scale, now_, carried.begin, place, work.points);
+    Drive make_step(lanes_, tables_.motion, tables_.bounds, tables_.faces, tables_.adaptive,
+                    tables_.forces, path_, node_contact(), moving_forces_, overlaps_, contacts_,
+                    recorder_, step, carried.contacts, carried.control, carried.shocks, work,
+                    state_.out.ended_shocks);
+    switch (make_step(now_, tick_, place, available)) {
       case Drive::Outcome::made:
         return true;
       case Drive::Outcome::full:

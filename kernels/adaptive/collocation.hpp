@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Kokkos_Core.hpp>
+#include <cstdint>
 
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/contact/cell_contact.hpp"
@@ -52,7 +53,7 @@ class CollocationSweeps {
   /// Rows of all modes at the beginning.
   struct Beginning {
     const double *u, *v, *a;
-    const double* jerk;  // rate of the accelerations
+    const double* jerk;  // first and second derivative of the accelerations
   };
   /// A step of `ticks` from `start` on, at the pace of `table`. The accelerations are first taken
   /// to go on at their rate.
@@ -71,7 +72,8 @@ class CollocationSweeps {
         const Real u(now.u[m]), v(now.v[m]), a(now.a[m]);
         store(buffers_.u_before, m, g, multiply_add(a, displacement, multiply_add(v, time, u)));
         store(buffers_.v_before, m, g, multiply_add(a, velocity, v));
-        store(buffers_.a_at, m, g, multiply_add(Real(now.jerk[m]), time, a));
+        const Real rate = multiply_add(Real(0.5 * now.jerk[row + m]), time, Real(now.jerk[m]));
+        store(buffers_.a_at, m, g, multiply_add(rate, time, a));
         store(buffers_.force_at, m, g, Real(modes_.load[m]));
       }
     }
@@ -124,7 +126,7 @@ class CollocationSweeps {
   RA2D_FUNCTION Change accelerate(const int* cells, int count, bool again) {
     Real by(0.0), size(0.0);
     for (int g = 0; g < groups; ++g) {
-      work_[g] = Real(0.0);
+      work_[g] = square_[g] = Real(0.0);
       contact_acts_[g] = false;
       for (int e = 0; e < count; ++e) add_contact(cells[e], e, g, again);
       for (int m = 0, modes = modes_.count; m < modes; ++m) {
@@ -142,6 +144,62 @@ class CollocationSweeps {
     lanes_.sync();
     const double square = time_ * time_;
     return {square * lanes_.max(by), square * lanes_.max(size)};
+  }
+
+  /// Takes those of the listed cells out of the list that carry no force anywhere in the step so
+  /// far. Returns the number of those left.
+  RA2D_FUNCTION int leave_out_open(int count) const {
+    constexpr int points = 1 + pitch;
+    lanes_.sync();
+    if (lanes_.leader()) {
+      int kept = 0;
+      for (int e = 0; e < count; ++e) {
+        double *const force = buffers_.force + e * points,
+                      *const centre = buffers_.centre + e * points,
+                      *const ends = buffers_.ends + e * (4 * pitch);
+        bool closed = false;
+        for (int i = 0; i <= last_point; ++i) closed = closed || force[i] > 0.0;
+        if (!closed) continue;
+        if (kept < e) {
+          buffers_.cells[kept] = buffers_.cells[e];
+          for (int i = 0; i < points; ++i) {
+            buffers_.force[kept * points + i] = force[i];
+            buffers_.centre[kept * points + i] = centre[i];
+          }
+          for (int i = 0; i < 4 * pitch; ++i) buffers_.ends[kept * (4 * pitch) + i] = ends[i];
+        }
+        ++kept;
+      }
+      buffers_.listed = kept;
+    }
+    lanes_.sync();
+    return buffers_.listed;
+  }
+
+  /// The first point at which the overlap anywhere in a cell comes to `level` [m]; beyond the last
+  /// where none does.
+  RA2D_FUNCTION int first_point_over(int cell, double level) const {
+    const CellFaces faces = cells_.faces(cell);
+    for (int g = 0; g < groups; ++g) {
+      Real most(-1e300);
+      Real passing[4], moving[4];
+      move_cell(cell, faces, g, passing, moving);
+      const Real knot = Real(0.5) - theta_[g];
+      for (int side = 0; side < 2; ++side) {
+        Real piece[4], o[4];
+        for (int j = 0; j < 4; ++j) piece[j] = Real(faces.passing[side].c[j]);
+        shift_cubic(piece, theta_[g] + Real(0.5 - side), o);
+        for (int j = 0; j < 4; ++j) o[j] = moving[j] + o[j];
+        most = Kokkos::max(most, side == 0 ? highest_between(o, Real(-0.5), knot)
+                                           : highest_between(o, knot, Real(0.5)));
+      }
+      const std::uint32_t over = lanes_.at_least(most, level);
+      if (over != 0) {
+        const int point = 1 + g * width + Kokkos::Experimental::countr_zero_builtin(over);
+        if (point <= last_point) return point;
+      }
+    }
+    return 1 + last_point;
   }
 
   /// Writes velocities and accelerations of the points as rows of modes, their displacement at the
@@ -164,6 +222,8 @@ class CollocationSweeps {
       double* const power = buffers_.power + 1 + g * width;
       lanes_.store(power, motion_.advance / motion_.time_step * work_[g]);
       lanes_.store(power + 1 + pitch, moving);
+      lanes_.store(buffers_.spring_energy + g * width,
+                   Real(0.5 * contact_.node_stiffness) * square_[g]);
     }
     lanes_.sync();
   }
@@ -182,7 +242,8 @@ class CollocationSweeps {
   const double* table_ = nullptr;
   double time_ = 0.0;
   Real theta_[groups], offset_[groups];
-  Real work_[groups];  // J/chi, of the imposed motion over a spacing of the slider's path
+  Real work_[groups];    // J/chi, of the imposed motion over a spacing of the slider's path
+  Real square_[groups];  // m^2, of the overlaps
   bool contact_acts_[groups];
 
   KOKKOS_FORCEINLINE_FUNCTION Real at_points(int numbers, int g) const {
@@ -287,18 +348,25 @@ class CollocationSweeps {
     }
   }
 
-  /// Contact in a cell, number e of the list: adds its modal forces and its work.
-  RA2D_FUNCTION void add_contact(int cell, int e, int g, bool again) {
+  /// Of a cell, the resonator's displacement, and all of the overlap but the resonator's face.
+  KOKKOS_FORCEINLINE_FUNCTION void move_cell(int cell, const CellFaces& faces, int g, Real* passing,
+                                             Real* moving) const {
     const double* const c = cells_.shapes_of(cell);
-    const CellFaces faces = cells_.faces(cell);
     // displacements in the shapes' own terms: along the path, and along the slider
     Real d[4], own[4];
     sum_modes(Body::resonator, c, d, g);
     sum_modes(Body::slider, c, own, g);
-    const Real& x = offset_[g];
-    Real passing[4], moving[4];  // the resonator's displacement; all but the resonator's face
-    shift_cubic(d, x, passing);
+    shift_cubic(d, offset_[g], passing);
     for (int j = 0; j < 4; ++j) moving[j] = (Real(faces.own.c[j]) + passing[j]) + own[j];
+  }
+
+  /// Contact in a cell, number e of the list: adds its modal forces and its work.
+  RA2D_FUNCTION void add_contact(int cell, int e, int g, bool again) {
+    const double* const c = cells_.shapes_of(cell);
+    const CellFaces faces = cells_.faces(cell);
+    const Real& x = offset_[g];
+    Real passing[4], moving[4];
+    move_cell(cell, faces, g, passing, moving);
     const Contact found =
         contact(faces, theta_[g], moving, buffers_.ends + e * (4 * pitch) + g * width, again);
     double* const force = buffers_.force + e * (1 + pitch) + 1 + g * width;
@@ -313,6 +381,7 @@ class CollocationSweeps {
     Real f[4];
     for (int j = 0; j < 4; ++j) f[j] = spring * found.moment[j];
     lanes_.store(force, f[0]);
+    square_[g] = square_[g] + found.square;
     work_[g] = multiply_add(spring, found.face_work, work_[g]);
     work_[g] = work_[g] + multiply_add(passing[1], f[0],
                                        multiply_add(Real(2.0) * passing[2], f[1],

@@ -71,8 +71,6 @@ struct PolynomialMotion {
     // derivative and from the second
     double of_fourth, of_second;
     RA2D_FUNCTION double remainder() const { return of_fourth + of_second; }
-    /// Over one half.
-    RA2D_FUNCTION double half_remainder() const { return of_fourth / 16.0 + of_second / 4.0; }
   };
   /// The remainder of the modes at a fixed place is 1/384 of their fourth derivative. What the
   /// place moves by is little; of a function with a bounded second derivative alone, the cubic is
@@ -112,9 +110,9 @@ struct PolynomialMotion {
   }
 };
 
-/// Where the overlap anywhere in a cell first comes to within `noise` of `level` while the modes
-/// follow `motion` from `start` on: the x; beyond motion.most where it never does. `curvature`: of
-/// PolynomialMotion::bounds.
+/// Where the overlap anywhere in a cell first comes to within `noise` of `level` from the x `from`
+/// on, while the modes follow `motion` from `start` on: the x; beyond motion.most where it never
+/// does. `curvature`: of PolynomialMotion::bounds.
 ///
 /// Nothing is stepped over. At each place the overlap is at most the parabola through its value and
 /// rate whose second derivative is the bound K. The largest of these parabolas over the cell is a
@@ -124,10 +122,11 @@ template <class Lanes, int packs>
 RA2D_FUNCTION double first_contact(const Lanes& lanes,
                                    const NodeContact<Lanes, packs>& node_contact,
                                    const PolynomialMotion<Lanes, packs>& motion, const Place& start,
-                                   int cell, double curvature, double level, double noise) {
+                                   int cell, double from, double curvature, double level,
+                                   double noise) {
   using Real = typename Lanes::Real;
   const double beyond = 2.0 * motion.most + 1.0, slide_rate = motion.most_slide_rate();
-  double x = 0.0;
+  double x = from;
   for (int i = 0; i < 200; ++i) {
     Real u[packs], rate[packs];
     motion.at(lanes, x, u, rate);

@@ -227,7 +227,7 @@ class Overlaps {
     if (faces_.smooth) [[unlikely]] {
       const PolynomialMotion<Lanes, packs> motion = series.motion(end);
       return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
-                          flagged, tolerance);
+                          flagged, tolerance, true);
     }
     if (!series.expand_nodes(place, listed_nodes_, flagged)) [[unlikely]]
       return -1.0;
@@ -274,42 +274,6 @@ class Overlaps {
     for (int e = 0; e < contacts_.count; ++e)
       for (int cell = contacts_.nodes[e] - 1; cell <= contacts_.nodes[e] + 1; ++cell)
         list_cell(cell, cells, capacity, count, last);
-    lanes_.sync();
-    return count <= capacity ? count : -1;
-  }
-  /// Lists in `cells` those that are likely to be in contact within a step of `time` [s] from the
-  /// beginning on, with the cells in contact and those beside them. What is missing is found by
-  /// flag_over(). -1: more than `capacity`.
-  RA2D_FUNCTION int list_likely(const Place& place, const Real* u, const MotionBounds& expected,
-                                double time, double acceleration, double rise, int* cells,
-                                int capacity) const {
-    const double sag = modes_sag(u, expected.travel);
-    // as flag() does, none that a list of candidate groups may leave out
-    const double level = -(0.1 * acceleration * time * time + sag),
-                 start = -(rise - overlap_error(expected));
-    int count = 0, last = 0, at = 0;
-    const auto take_contacts = [&](int before) {  // the cells in contact below a node
-      for (; at < contacts_.count && contacts_.nodes[at] < before; ++at)
-        for (int cell = contacts_.nodes[at] - 1; cell <= contacts_.nodes[at] + 1; ++cell)
-          list_cell(cell, cells, capacity, count, last);
-    };
-    const int all = groups();
-    for (int i = 0; i < all; ++i) {
-      const int e = index(i);
-      const double* first = start_ + 2 * e * width;
-      const Real o = lanes_.load(first) + cell_sag(lanes_, faces_, place, group(e)),
-                 then = multiply_add(time, Kokkos::max(lanes_.load(first + width), Real(0.0)), o);
-      std::uint32_t bits = lanes_.at_least(then, level);
-      if (bits != 0) bits &= lanes_.at_least(o, start);
-      const int left = nodes_left(faces_, group(e), width);
-      if (left < width) bits &= (1u << left) - 1u;
-      for (; bits != 0; bits &= bits - 1) {
-        const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
-        take_contacts(node);
-        list_cells(node, cells, capacity, count, last);
-      }
-    }
-    take_contacts(faces_.nodes);
     lanes_.sync();
     return count <= capacity ? count : -1;
   }
@@ -376,34 +340,49 @@ class Overlaps {
       return after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
     });
   }
-  /// As above, by a cubic over each half of the step, which leaves out far less.
-  RA2D_FUNCTION int keep_close(const End& start, const End& middle, const End& end, int flagged,
-                               double modes_left_out, double slide_rate, double change,
-                               double tolerance) const {
-    return keep_those(start, flagged, [&](int cell) {
-      const MovingCell before = moving_cell(cell, start);
-      const double free =
-          0.5 * tolerance - modes_left_out -
-          (slide_rate * slide_rate * before.curvature + change * before.slope) / 12.0;
-      if (before.highest_after(0.0) >= free || before.highest_after(1.0 / 6.0) >= free) return true;
-      const MovingCell then = moving_cell(cell, middle);
-      if (then.highest_after(-1.0 / 6.0) >= free || then.highest_after(0.0) >= free ||
-          then.highest_after(1.0 / 6.0) >= free)
-        return true;
-      const MovingCell after = moving_cell(cell, end);
-      return after.highest_after(-1.0 / 6.0) >= free || after.highest_after(0.0) >= free;
+  /// A step between smooth faces.
+  struct Course {
+    End start;
+    double interval;    // in x, between two points at which overlaps are found
+    double curvature;   // m per x^2: bound on the modes' second derivative
+    double slide_rate;  // chi per x: the most that the slider moves at
+    double change;      // chi per x^2: the most that this changes by
+  };
+  /// Takes out of the listed cells those that stay open over a step as their overlaps at its points
+  /// show. Between two points an overlap is at most the larger of both and interval^2 / 8 of its
+  /// second derivative. `clear_until`: the x up to which a cell stays below a level [m] at all
+  /// points, but for the beginning; beyond 1 at all. OnsetSearch::onsets gets the x that the search
+  /// of each of the others begins at. Returns the number of those left, or no_room.
+  template <class ClearUntil>
+  RA2D_FUNCTION int keep_close_at_points(const Course& course, int flagged, double tolerance,
+                                         const ClearUntil& clear_until) const {
+    int kept = 0;
+    return keep_those(course.start, flagged, [&](int cell) {
+      const MovingCell before = moving_cell(cell, course.start);
+      const double second = Kokkos::fma(course.slide_rate * course.slide_rate, before.curvature,
+                                        Kokkos::fma(course.change, before.slope, course.curvature));
+      // sums over the modes, one after the other, round more than those over lanes
+      const double level = -4.0 * tolerance - 0.125 * course.interval * course.interval * second;
+      const double from = before.highest_after(0.0) >= level ? 0.0 : clear_until(cell, level);
+      if (from > 1.0) return false;
+      if (lanes_.leader()) search_.onsets[kept] = from;
+      ++kept;
+      return true;
     });
   }
 
-  /// As search(), along a motion from `place` on, in the listed cells.
+  /// As search(), along a motion from `place` on, in the listed cells; unless `from_start`, in each
+  /// from the x in OnsetSearch::onsets on.
   RA2D_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion, double curvature,
-                                    const Place& place, int flagged, double tolerance) const {
+                                    const Place& place, int flagged, double tolerance,
+                                    bool from_start) const {
     if (!node_contact_.expand(place, listed_nodes_, flagged)) [[unlikely]]
       return -1.0;
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
       const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
-                                     curvature, tolerance, 0.25 * tolerance);
+                                     from_start ? 0.0 : search_.onsets[e], curvature, tolerance,
+                                     0.25 * tolerance);
       lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;

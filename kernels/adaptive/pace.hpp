@@ -13,6 +13,9 @@ KOKKOS_INLINE_FUNCTION double pace_share(Pace pace, double x) {
 KOKKOS_INLINE_FUNCTION double pace_rate(Pace pace, double x) {
   return pace == Pace::even ? 1.0 : pace == Pace::from_onset ? 2.0 * x : 2.0 - 2.0 * x;
 }
+KOKKOS_INLINE_FUNCTION double pace_change(Pace pace) {
+  return pace == Pace::even ? 0.0 : pace == Pace::from_onset ? 2.0 : -2.0;
+}
 /// The x at which a share of the time has passed.
 KOKKOS_INLINE_FUNCTION double pace_x(Pace pace, double share) {
   if (pace == Pace::even) return share;

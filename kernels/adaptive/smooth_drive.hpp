@@ -6,7 +6,6 @@
 #include "kernels/adaptive/adaptive_recorder.hpp"
 #include "kernels/adaptive/brent.hpp"
 #include "kernels/adaptive/contacts.hpp"
-#include "kernels/adaptive/expected_events.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/moving_force_series.hpp"
 #include "kernels/adaptive/overlaps.hpp"
@@ -25,11 +24,12 @@ namespace ra2d {
 
 /// Steps of the adaptive scheme in contact between smooth faces.
 ///
-/// Such a step ends where a new contact begins, in a cell that is not beside one in contact; the
-/// next one begins there with the pace that suits an onset. That none begins unseen is proved for
-/// the motion that the step has found. Contacts that grow, wander from cell to cell or end are no
-/// events: force and its first derivative stay continuous, and the error control sees to them.
-/// Where it rejects a step because a contact ends in it, the next try ends with that contact.
+/// Such a step is made with the contacts that there are, in their cells and those beside them. It
+/// ends where a new one begins; the next step begins there with the pace that suits an onset. That
+/// none begins unseen is proved for the motion that the step has found. Contacts that grow, wander
+/// from cell to cell or end are no events: force and its first derivative stay continuous, and the
+/// error control sees to them. Where the first sweeps show that a contact ends, or the error
+/// control rejects a step because one does, the step is made to end with that contact.
 template <class Lanes, int packs>
 class SmoothDrive {
   using Real = typename Lanes::Real;
@@ -40,7 +40,7 @@ class SmoothDrive {
   static constexpr int points = 1 + padded_points(width);  // of a cell's numbers
 
  public:
-  RA2D_FUNCTION SmoothDrive(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
+  RA2D_FUNCTION SmoothDrive(const Lanes& lanes, const SliderMotion& motion,
                             const MotionLimits& bounds, const FaceTables& faces,
                             const SeriesTables& adaptive, const MovingForces& forces,
                             const SliderPath& path, const NodeContact<Lanes, packs>& node_contact,
@@ -51,7 +51,6 @@ class SmoothDrive {
                             SmoothStep<Lanes, packs>& step, ContactSet& set, StepControl& control,
                             ShockTracking& shocks, WorkSpace& work, ShockBuffer& ended)
       : lanes_{lanes},
-        modes_{modes},
         motion_{motion},
         bounds_{bounds},
         faces_{faces},
@@ -75,12 +74,6 @@ class SmoothDrive {
         capacity_{Kokkos::min(work.spans.capacity, overlaps.most_listed())},
         step_{step} {}
 
-  /// Whether the forces at the beginning of the next step are those at the end of this one.
-  struct Start {
-    bool is_valid = false;
-    double energy = 0.0;  // J, of the springs
-  };
-
   /// Errors of what is recorded do not add up from step to step.
   static constexpr double recorded_share = 0.1;
 
@@ -88,7 +81,7 @@ class SmoothDrive {
 
   /// One step from `now` at `tick` on, of `available` ticks at the most.
   RA2D_FUNCTION Outcome operator()(Modes& now, std::int64_t& tick, const Place& place,
-                                   std::int64_t available, Start& start) {
+                                   std::int64_t available) {
     if (forces_.count > 0) {
       const std::int64_t valid = moving_forces_.expand(tick, control_.series_scale);
       if (valid < available) available = valid;
@@ -100,19 +93,18 @@ class SmoothDrive {
       ticks = static_cast<std::int64_t>(0.3 * static_cast<double>(ticks));
     if (ticks < 1) ticks = 1;
     Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
-    const Outcome listed = list_cells(now, place, available, ticks, start);
-    if (listed != Outcome::made) return listed;
+    if (!list_cells(place)) return Outcome::crowded;
 
     bool cut = false;  // shorter than the error control asks for
     if (ticks < available && 2 * ticks > available) {
       ticks = available / 2 + 1;
       cut = true;
     }
-    plan(now, place, ticks, pace, cut);
+    plan(ticks, pace, cut);
     cut = cut || ticks == available;
     double next = 0.0;  // s, what it asks for
     while (true) {
-      step_.make(ticks, pace, cells_, path_.moved(place, tick + ticks));
+      step_.finish();
       find_runs(1.0);
       const auto errors = step_.errors();
       Course course = Course::smooth;
@@ -128,7 +120,8 @@ class SmoothDrive {
         first = search(now, place, tick, ticks, available);
         if (first < 0.0) [[unlikely]]
           return Outcome::crowded;
-        if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
+        if (course == Course::kinked && errors.of(course) > 1.0)
+          released = find_first_release(place);
       }
       // a step graded towards a release that is where it should be
       if (pace == Pace::to_release && released > 0.99 && released <= 1.0 && !any_begins())
@@ -142,11 +135,12 @@ class SmoothDrive {
         next = growth * static_cast<double>(ticks) * motion_.time_step;
         if (cut || pace != Pace::even || course == Course::kinked)
           next = Kokkos::max(next, control_.series_scale);
-        return keep(now, tick, place, ticks, onset, first, next, start);
+        return keep(now, tick, place, ticks, onset, first, next);
       }
       const double factor = error < 1e30 ? Kokkos::max(0.2, errors.factor(course, error)) : 0.2;
       cut = shorten(ticks, pace, factor, onset ? first : 3.0, released);
       if (ticks < 1) return error == error ? Outcome::stalled : Outcome::not_finite;
+      step_.begin(ticks, pace);
     }
   }
 
@@ -182,7 +176,6 @@ class SmoothDrive {
   }
 
   Lanes lanes_;
-  const ModeTables& modes_;
   const SliderMotion& motion_;
   const MotionLimits& bounds_;
   const FaceTables& faces_;
@@ -211,91 +204,66 @@ class SmoothDrive {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
 
-  /// Ends the step where a contact is expected to begin or end, and leaves out the cells that are
-  /// expected to stay open. Should contact begin in one of these, search() finds it.
-  RA2D_FUNCTION void plan(const Modes& now, const Place& place, std::int64_t& ticks, Pace& pace,
-                          bool& cut) {
-    Real acceleration[packs], jerk[packs];
-    step_.acceleration(acceleration);
-    const double whole = static_cast<double>(ticks);
-    const auto times =
-        ExpectedEvents<Lanes, packs>(lanes_, modes_, motion_, adaptive_, node_contact_, place)(
-            now.u, now.v, acceleration, points_.cells, cells_, points_.force, points,
-            whole * motion_.time_step, listed_, jerk);
-    step_.keep_jerk(jerk);
-    leave_out_open();
-    double end = whole;
-    const double onset = times.onset / motion_.time_step,
-                 release = times.release / motion_.time_step;
-    const double least = 1e-3 * whole;  // what ends sooner is within the force's roundings, or so
-    if (release < 0.02 * whole) {
-      end = 1.05 * release + least;
-    } else if (release < 0.4 * whole && pace == Pace::even) {
-      end = release;
-      pace = Pace::to_release;
-    } else if (release < whole) {
-      end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
+  /// Begins a step of `ticks` or less, without the cells that stay open. Should contact begin in
+  /// one of these, search() finds it. Where the first two sweeps show that a contact ends within
+  /// it, the step is made to end there, if that is near, or else at half the time.
+  RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, bool& cut) {
+    constexpr int most_tries = 3;
+    const std::int64_t longest = ticks;
+    const double whole = static_cast<double>(longest);
+    for (int i = 0; i < most_tries; ++i) {
+      step_.begin(ticks, pace);
+      cells_ = step_.leave_out_open();
+      double share = first_release();
+      if (suits(pace, share)) {
+        step_.sweep_on();
+        share = first_release();
+        if (suits(pace, share)) break;
+      }
+      const double release = share * static_cast<double>(ticks);
+      double end = whole;
+      Pace then = pace == Pace::to_release ? Pace::even : pace;
+      if (release < 0.02 * whole) {
+        // what ends sooner is within the force's roundings, or so
+        end = 1.05 * release + 1e-3 * whole;
+        then = Pace::even;
+      } else if (release < 0.4 * whole && pace != Pace::from_onset) {
+        end = release;
+        then = Pace::to_release;
+      } else if (release < whole) {
+        end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
+      }
+      const std::int64_t planned = end < whole ? static_cast<std::int64_t>(end) + 1 : longest;
+      if (planned == ticks && then == pace) break;
+      ticks = planned;
+      pace = then;
+      if (pace == Pace::to_release && i + 1 < most_tries) continue;
+      step_.begin(ticks, pace);
+      break;
     }
-    const double until = onset < 0.3 * whole ? 1.005 * onset + least : 0.96 * onset;
-    if (until < end) {
-      end = until;
-      if (pace == Pace::to_release) pace = Pace::even;
-    }
-    const std::int64_t planned = static_cast<std::int64_t>(end) + 1;
-    if (planned >= ticks) return;
-    ticks = planned;
-    cut = true;
+    cut = cut || ticks < longest;
+  }
+  /// Whether a step at this pace suits a contact that ends at a share of its time.
+  KOKKOS_FORCEINLINE_FUNCTION static bool suits(Pace pace, double release) {
+    return pace == Pace::to_release ? Kokkos::abs(release - 1.0) < 0.005 : release >= 1.0;
+  }
+  /// Where the first of the contacts at the beginning is expected to end, as a share of the step's
+  /// time; beyond 1 where none does within it.
+  RA2D_FUNCTION double first_release() const {
+    find_runs(1.0);
+    double first = 4.0;
+    for (int r = 0; r < points_.run_count; ++r)
+      if (points_.runs[r].grown) first = Kokkos::min(first, step_.expected_end(points_.runs[r]));
+    return first;
   }
 
-  /// Takes out of the step's cells those that are marked in `listed_`.
-  RA2D_FUNCTION void leave_out_open() {
-    lanes_.sync();
-    int kept = 0;
-    for (int e = 0; e < cells_; ++e) {
-      if (listed_[e] != 0) continue;
-      if (lanes_.leader()) points_.cells[kept] = points_.cells[e];
-      ++kept;
-    }
-    lanes_.sync();
-    if (kept == cells_) return;
-    cells_ = kept;
-    if (lanes_.leader()) points_.cell_count = cells_;
-    step_.keep_start(cells_);
-  }
-
-  /// Lists the cells that the step evaluates, and finds the forces at its beginning.
-  RA2D_FUNCTION Outcome list_cells(const Modes& now, const Place& place, std::int64_t available,
-                                   std::int64_t ticks, Start& start) {
-    if (start.is_valid) {
-      step_.take_start(points_.cell_count, start.energy);
-      start.is_valid = false;
-    } else {
-      cells_ = overlaps_.list_contacts(points_.cells, capacity_);
-      if (cells_ < 0 || !node_contact_.expand(place, points_.cells, cells_))
-        return Outcome::crowded;
-      step_.evaluate_start(cells_);
-    }
-    // how far nodes can be expected to get
-    Real acceleration[packs];
-    step_.acceleration(acceleration);
-    const double time = static_cast<double>(ticks) * motion_.time_step;
-    const double speed = motion_.advance / motion_.time_step;  // chi/s
-    const double a =
-        bound(bounds_.largest_shape, acceleration) + speed * speed * faces_.largest_face_curvature;
-    const double travel = time * (bound(bounds_.largest_shape, now.v) + time * a);
-    const double size = bound(bounds_.largest_shape, now.u) + travel;
-    if (!(size < 1e300)) return Outcome::not_finite;
-    const MotionBounds expected{travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
-    const double rise = overlaps_.longest_rise(now.u, expected, ticks);
-    overlaps_.find_groups(place, now, expected, rise, available - ticks);
-    overlaps_.select(now.u, expected, rise);
-    overlaps_.evaluate_start(place, now);
-    cells_ = overlaps_.list_likely(place, now.u, expected, time, a, rise, points_.cells, capacity_);
-    if (cells_ < 0 || !node_contact_.expand(place, points_.cells, cells_)) return Outcome::crowded;
-    lanes_.sync();
-    if (lanes_.leader()) points_.cell_count = cells_;
-    step_.keep_start(cells_);
-    return Outcome::made;
+  /// Lists the cells that the step evaluates, and finds the forces at its beginning. False where
+  /// there is no room for them.
+  RA2D_FUNCTION bool list_cells(const Place& place) {
+    cells_ = overlaps_.list_contacts(points_.cells, capacity_);
+    if (cells_ < 0 || !node_contact_.expand(place, points_.cells, cells_)) return false;
+    step_.find_start(cells_);
+    return true;
   }
 
   /// The x at which a contact first begins along the motion that the step has found; beyond 1 where
@@ -318,31 +286,26 @@ class SmoothDrive {
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
     const double tolerance = overlaps_.overlap_rounding(now.u);
-    Real rate0[packs], u1[packs], rate1[packs], u0[packs];
-    motion.at(lanes_, 0.0, u0, rate0);
-    motion.at(lanes_, 1.0, u1, rate1);
-    const Place end_place = motion.place_at(place, 1.0);
-    using End = typename Overlaps<Lanes, packs>::End;
-    const End from{place, u0, rate0, motion.slide_rate(0.0)},
-        to{end_place, u1, rate1, motion.slide_rate(1.0)};
-    const double most_rate = motion.most_slide_rate(), change = motion.change_of_slide_rate();
+    Real u[packs], rate[packs];
+    motion.at(lanes_, 0.0, u, rate);
+    const typename Overlaps<Lanes, packs>::Course course{{place, u, rate, motion.slide_rate(0.0)},
+                                                         step_.longest_interval(),
+                                                         b.curvature,
+                                                         motion.most_slide_rate(),
+                                                         motion.change_of_slide_rate()};
     flagged_ =
-        overlaps_.keep_close(from, to, flagged_, b.remainder(), most_rate, change, tolerance);
-    if (flagged_ > 0 && overlaps_.has_room(flagged_)) {
-      Real u[packs], rate[packs];
-      motion.at(lanes_, 0.5, u, rate);
-      const Place middle = motion.place_at(place, 0.5);
-      flagged_ = overlaps_.keep_close(from, {middle, u, rate, motion.slide_rate(0.5)}, to, flagged_,
-                                      b.half_remainder(), most_rate, change, tolerance);
-    }
+        overlaps_.keep_close_at_points(course, flagged_, tolerance, [&](int cell, double level) {
+          const int point = step_.first_point_over(cell, level);
+          return point > last_point ? 2.0 : step_.place(point - 1);
+        });
     if (flagged_ == 0) return 3.0;
     if (!overlaps_.has_room(flagged_)) return -1.0;
-    return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance);
+    return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance, false);
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
   RA2D_FUNCTION Outcome keep(Modes& now, std::int64_t& tick, const Place& place, std::int64_t ticks,
-                             bool onset, double first, double next, Start& start) {
+                             bool onset, double first, double next) {
     double x = 1.0;
     std::int64_t made = ticks;
     if (onset) {
@@ -376,6 +339,7 @@ class SmoothDrive {
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
+    step_.keep_for_next(x);
     now.take(lanes_, end);
     tick += made;
     if (onset || listed > flagged_) contacts_.begin(listed, onset ? first : 1.0);
@@ -391,9 +355,6 @@ class SmoothDrive {
       overlaps_.end_becomes_start();
     else
       overlaps_.discard_start();
-    start.is_valid = made == ticks && !onset && forces_.count == 0 && there.base == place.base &&
-                     there.part == place.part;
-    start.energy = step_.energy_at_end();
     return Outcome::made;
   }
 
@@ -524,7 +485,7 @@ class SmoothDrive {
     return high;
   }
   /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
-  RA2D_FUNCTION double first_release(const Place& place) const {
+  RA2D_FUNCTION double find_first_release(const Place& place) const {
     double first = 3.0;
     for (int r = 0; r < points_.run_count; ++r) {
       const CellRun run = points_.runs[r];

@@ -41,7 +41,7 @@ class SmoothStep {
                            const NodeContact<Lanes, packs>& node_contact,
                            const ExpandedCells<Lanes, packs>& expanded, ContactList& contact_list,
                            const double* force_series, double force_scale, const Modes& now,
-                           const Place& place, PointBuffers& buffers)
+                           StepStart& begin, const Place& place, PointBuffers& buffers)
       : lanes_{lanes},
         modes_{modes},
         motion_{motion},
@@ -57,86 +57,60 @@ class SmoothStep {
         force_series_{force_series},
         force_scale_{force_scale},
         now_{now},
+        begin_{begin},
         start_{place},
         buffers_{buffers} {}
 
-  /// Finds the forces at the beginning, in the listed cells (PointBuffers::cells).
-  RA2D_FUNCTION void evaluate_start(int cells) {
+  /// Finds the forces at the beginning, in so many listed cells (PointBuffers::cells): those at the
+  /// end of the step before, if that told.
+  RA2D_FUNCTION void find_start(int cells) {
     cells_ = cells;
-    const ContactTotals<Real> totals = evaluate(0, start_, now_.u, now_.v, 0.0);
-    energy_ = totals.energy;
-    nodes_at_start_ = totals.nodes;
-  }
-
-  /// Takes the forces at the end of the step before, in `cells` cells, for those at the beginning:
-  /// it is the same state in the same window, so they have the same bits.
-  RA2D_FUNCTION void take_start(int cells, double energy) {
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const int from = last_point * row + p * width, to = p * width;
-      lanes_.store(buffers_.velocity + to, lanes_.load(buffers_.velocity + from));
-      lanes_.store(buffers_.acceleration + to, lanes_.load(buffers_.acceleration + from));
-    }
-    int count = 0;
-    for (int e = 0; e < cells; ++e) {
-      const double force = buffers_.force[e * points + last_point];
-      if (!(force > 0.0)) continue;
-      if (lanes_.leader()) {
-        contact_list_.nodes[count] = buffers_.cells[e];
-        contact_list_.forces[count] = force;
-        contact_list_.centres[count] = buffers_.centre[e * points + last_point];
-      }
-      ++count;
-    }
-    lanes_.sync();
-    if (lanes_.leader()) {
-      buffers_.power[0] = buffers_.power[last_point];
-      buffers_.power[points] = buffers_.power[points + last_point];
-    }
-    energy_ = energy;
-    nodes_at_start_ = count;
-    lanes_.sync();
-  }
-  KOKKOS_FORCEINLINE_FUNCTION double energy_at_end() const { return energy_at_end_; }
-  /// Accelerations of the modes at the beginning.
-  RA2D_FUNCTION void acceleration(Real* a) const {
+    if (begin_.knows_forces)
+      take_start();
+    else
+      evaluate_start();
+    if (!begin_.knows_rates) find_rates();
+    Real before(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p)
-      a[p] = lanes_.load(buffers_.acceleration + p * width);
-  }
-  /// Keeps the forces at the beginning, the latest found, for another list of cells.
-  RA2D_FUNCTION void keep_start(int cells) {
+      before = before + twice_energy(p, now_.u[p], now_.v[p]);
+    energy_norm_ = lanes_.sum(before) + 2.0 * energy_;
     lanes_.sync();
-    cells_ = cells;
-    keep_forces(0, nodes_at_start_);
   }
 
-  /// Keeps the rate of the accelerations at the beginning.
-  RA2D_FUNCTION void keep_jerk(const Real* jerk) const {
-    for (int p = 0; p < filled<packs>(lanes_); ++p)
-      lanes_.store(buffers_.jerk + p * width, jerk[p]);
-  }
-
-  /// Makes a step of so many ticks. `end_place`: of its end, to the bit.
-  RA2D_FUNCTION void make(std::int64_t ticks, Pace pace, int cells, const Place& end_place) {
+  /// Begins a step of so many ticks: the first sweep, whose forces tell of contacts that end.
+  RA2D_FUNCTION void begin(std::int64_t ticks, Pace pace) {
     ticks_ = static_cast<double>(ticks);
     time_ = ticks_ * motion_.time_step;
     pace_ = pace;
     table_ = collocation_.paces + static_cast<int>(pace) * pace_numbers;
-    cells_ = cells;
     double *const u = buffers_.u, *const v = buffers_.v;
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(u + p * width, now_.u[p]);
       lanes_.store(v + p * width, now_.v[p]);
     }
     lanes_.sync();
-    sweeps_.begin(table_, ticks_, start_, {u, v, buffers_.acceleration, buffers_.jerk});
+    sweeps_.begin(table_, ticks_, start_, {u, v, buffers_.acceleration, begin_.jerk});
     if (forces_.count > 0) sweeps_.add_moving_forces(force_series_, adaptive_.order, force_scale_);
-    converges_ = sweep();
+    change_ = 1e300;
+    sweep(false);
+  }
+  /// The next sweep.
+  KOKKOS_FORCEINLINE_FUNCTION void sweep_on() { sweep(true); }
+  /// Takes those cells out of the step in which no sweep has found contact yet.
+  RA2D_FUNCTION int leave_out_open() {
+    cells_ = sweeps_.leave_out_open(cells_);
+    return cells_;
+  }
+  /// Sweeps on until the motion is found.
+  RA2D_FUNCTION void finish() {
+    converges_ = sweep_to_end();
+    double* const u = buffers_.u;
     sweeps_.finish(u + row);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       end_.u[p] = lanes_.load(u + row + p * width);
       end_.v[p] = lanes_.load(buffers_.velocity + last_point * row + p * width);
     }
-    energy_at_end_ = evaluate(last_point, end_place, end_.u, end_.v, 1.0).energy;
+    energy_at_end_ = buffers_.spring_energy[last_point - 1];
   }
   /// Finds the motion over the step.
   RA2D_FUNCTION void find_motion() {
@@ -210,6 +184,73 @@ class SmoothStep {
   KOKKOS_FORCEINLINE_FUNCTION double place(int point) const { return table_[point_places + point]; }
   KOKKOS_FORCEINLINE_FUNCTION double share(int point) const {
     return pace_share(pace_, place(point));
+  }
+  /// Keeps what the step after one that is kept up to x starts with, as far as this one tells.
+  RA2D_FUNCTION void keep_for_next(double x) const {
+    lanes_.sync();
+    const bool knows_rates = keep_rates(x), whole = x == 1.0;
+    if (whole)
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        lanes_.store(begin_.acceleration + p * width,
+                     lanes_.load(buffers_.acceleration + last_point * row + p * width));
+    if (lanes_.leader()) {
+      begin_.knows_rates = knows_rates;
+      begin_.knows_forces = whole;
+      begin_.energy = energy_at_end_;
+      begin_.power = buffers_.power[last_point];
+      begin_.moving_power = buffers_.power[points + last_point];
+      begin_.count = 0;
+      for (int e = 0; e < cells_; ++e) {
+        const double force = buffers_.force[e * points + last_point];
+        if (!(force > 0.0)) continue;
+        begin_.cells[begin_.count] = buffers_.cells[e];
+        begin_.forces[begin_.count] = force;
+        begin_.centres[begin_.count] = buffers_.centre[e * points + last_point];
+        ++begin_.count;
+      }
+    }
+    lanes_.sync();
+  }
+  /// Where the contact of a run of cells ends, as a share of the step's time, as far as its forces
+  /// at the points tell: they fall as depth^1.5, and the depth is smooth. Beyond 1 where they have
+  /// not come to an end.
+  RA2D_FUNCTION double expected_end(const CellRun& run) const {
+    double force[collocation_points];
+    int last = -1;
+    for (int i = 0; i <= last_point; ++i) {
+      force[i] = 0.0;
+      for (int e = 0; e < cells_; ++e)
+        if (buffers_.cells[e] >= run.first && buffers_.cells[e] <= run.last)
+          force[i] += buffers_.force[e * points + i];
+      if (force[i] > 0.0)
+        last = i;
+      else if (last >= 0)
+        break;
+    }
+    if (last < 0) return 0.0;
+    const double low = share(last), high = last < last_point ? share(last + 1) : 4.0;
+    if (last == 0) return high;
+    // the share as a function of the depth, at none: a parabola where the three fall, else a chord
+    const auto depth = [&](int i) { return Kokkos::cbrt(force[i] * force[i]); };  // to a factor
+    const double q0 = depth(last), q1 = depth(last - 1), s1 = share(last - 1);
+    if (!(q1 > q0)) return high;
+    double end = low + (low - s1) * (q0 / (q1 - q0));
+    const double q2 = last >= 2 ? depth(last - 2) : 0.0;
+    if (q2 > q1) {
+      const double s2 = share(last - 2);
+      end = low * (q1 * q2 / ((q0 - q1) * (q0 - q2))) + s1 * (q0 * q2 / ((q1 - q0) * (q1 - q2))) +
+            s2 * (q0 * q1 / ((q2 - q0) * (q2 - q1)));
+    }
+    return Kokkos::max(low, Kokkos::min(high, end));
+  }
+  /// The first point but that at the beginning at which the overlap anywhere in an expanded cell
+  /// comes to `level` [m]; beyond the last where none does.
+  RA2D_FUNCTION int first_point_over(int cell, double level) const {
+    return sweeps_.first_point_over(cell, level);
+  }
+  /// The most that two neighbouring points are apart in x.
+  KOKKOS_FORCEINLINE_FUNCTION double longest_interval() const {
+    return place(last_point / 2) - place(last_point / 2 - 1);
   }
   /// The polynomial through a value at each point, at x.
   RA2D_FUNCTION double between(const double* values, double x) const {
@@ -307,36 +348,39 @@ class SmoothStep {
   const double* force_series_;
   double force_scale_;  // s, unit of that series
   const Modes& now_;
+  StepStart& begin_;
   Place start_;
   PointBuffers& buffers_;
   Modes end_;
+  double energy_norm_ = 0.0;  // J, twice the energy at the beginning
   double energy_ = 0.0, energy_at_end_ = 0.0, ticks_ = 0.0, time_ = 0.0;
   Pace pace_ = Pace::even;
   const double* table_ = nullptr;
-  int cells_ = 0, nodes_at_start_ = 0;
+  int cells_ = 0;
+  int sweeps_made_ = 0;
+  double change_ = 0.0, change_before_ = 0.0;  // by the latest sweeps, relative
   bool converges_ = false;
 
+  /// `again`: it is not the first sweep.
+  RA2D_FUNCTION void sweep(bool again) {
+    sweeps_.move();
+    const auto change = sweeps_.accelerate(buffers_.cells, cells_, again);
+    change_before_ = change_;
+    change_ = Kokkos::sqrt(change.by / Kokkos::max(Kokkos::max(energy_norm_, change.size), 1e-300));
+    sweeps_made_ = again ? sweeps_made_ + 1 : 1;
+  }
   /// Sweeps until the error is small beside the tolerance. Whether it came to be.
-  RA2D_FUNCTION bool sweep() {
-    Real before(0.0);
-    for (int p = 0; p < filled<packs>(lanes_); ++p)
-      before = before + twice_energy(p, now_.u[p], now_.v[p]);
-    const double size = lanes_.sum(before) + 2.0 * energy_;
+  RA2D_FUNCTION bool sweep_to_end() {
     const double close = Kokkos::max(0.02 * adaptive_.tolerance, 8.0 * 0x1p-52);
-    double change_before = 0.0;
-    for (int k = 0; k < most_sweeps; ++k) {
-      sweeps_.move();
-      const auto found = sweeps_.accelerate(buffers_.cells, cells_, k > 0);
-      const double change =
-          Kokkos::sqrt(found.by / Kokkos::max(Kokkos::max(size, found.size), 1e-300));
+    while (true) {
       // the next one changes it by no larger a part of this change
-      if (k > 0 && change * Kokkos::min(1.0, change / change_before) < close) {
+      if (sweeps_made_ > 1 && change_ * Kokkos::min(1.0, change_ / change_before_) < close) {
         sweeps_.move();
         return true;
       }
-      change_before = change;
+      if (!(sweeps_made_ < most_sweeps)) return false;
+      sweep(true);
     }
-    return false;
   }
 
   /// Mass times V^2 + (omega U)^2.
@@ -362,53 +406,98 @@ class SmoothStep {
     }
   }
 
-  /// Forces and accelerations at a state, kept as those of a point.
-  RA2D_FUNCTION ContactTotals<Real> evaluate(int point, const Place& place, const Real* u,
-                                             const Real* v, double share) {
+  /// Finds the rate of the accelerations at the beginning, but for what contact forces change by.
+  RA2D_FUNCTION void find_rates() const {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      const Real omega = load_pack(lanes_, modes_.omega, p);
+      lanes_.store(
+          begin_.jerk + p * width,
+          -multiply_add(load_pack(lanes_, adaptive_.decay, p),
+                        lanes_.load(buffers_.acceleration + p * width), omega * omega * now_.v[p]));
+      lanes_.store(begin_.jerk + row + p * width, Real(0.0));
+    }
+  }
+  /// Keeps the first and second derivative of the accelerations at x for the next step. False where
+  /// the motion does not tell them.
+  RA2D_FUNCTION bool keep_rates(double x) const {
+    const double rate = pace_rate(pace_, x), per_time = 1.0 / (rate * time_);
+    if (!(rate >= 0.5)) return false;
+    const double slowing = pace_change(pace_) / rate;
+    const Real at(x);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      Real first(0.0), second(0.0), third(0.0);
+      for (int m = motion_terms - 1; m >= 1; --m) {
+        const Real c = Real(static_cast<double>(m)) * lanes_.load(buffers_.v + m * row + p * width);
+        first = multiply_add(first, at, c);
+        if (m >= 2) second = multiply_add(second, at, Real(m - 1.0) * c);
+        if (m >= 3) third = multiply_add(third, at, Real((m - 1.0) * (m - 2.0)) * c);
+      }
+      const Real bent = multiply_add(Real(-slowing), first, second);
+      lanes_.store(begin_.jerk + p * width, (per_time * per_time) * bent);
+      lanes_.store(
+          begin_.jerk + row + p * width,
+          (per_time * per_time * per_time) * multiply_add(Real(-3.0 * slowing), bent, third));
+    }
+    return true;
+  }
+  /// Finds forces and accelerations at the beginning from its state.
+  RA2D_FUNCTION void evaluate_start() {
     Real force[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = load_pack(lanes_, modes_.load, p);
     double moving = 0.0;
-    if (forces_.count > 0) moving = add_moving_forces(share * time_ / force_scale_, v, force);
+    if (forces_.count > 0) moving = add_moving_forces(force);
     lanes_.sync();
-    const ContactTotals<Real> totals = node_contact_(place, u, buffers_.cells, cells_, force);
+    const ContactTotals<Real> totals = node_contact_(start_, now_.u, buffers_.cells, cells_, force);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real omega = load_pack(lanes_, modes_.omega, p);
       const Real held =
-          multiply_add(load_pack(lanes_, adaptive_.decay, p), v[p], omega * omega * u[p]);
-      lanes_.store(buffers_.velocity + point * row + p * width, v[p]);
-      lanes_.store(buffers_.acceleration + point * row + p * width,
+          multiply_add(load_pack(lanes_, adaptive_.decay, p), now_.v[p], omega * omega * now_.u[p]);
+      lanes_.store(buffers_.velocity + p * width, now_.v[p]);
+      lanes_.store(buffers_.acceleration + p * width,
                    multiply_add(load_pack(lanes_, adaptive_.inverse_mass, p), force[p], -held));
     }
     const double work =
         totals.nodes > 0 ? totals.face_work + lanes_.sum(totals.deflection_work) : 0.0;
     if (lanes_.leader()) {
-      buffers_.power[point] = motion_.advance / motion_.time_step * work;
-      buffers_.power[points + point] = moving;
+      buffers_.power[0] = motion_.advance / motion_.time_step * work;
+      buffers_.power[points] = moving;
     }
-    keep_forces(point, totals.nodes);
-    return totals;
+    energy_ = totals.energy;
+    keep_start_forces(contact_list_.nodes, contact_list_.forces, contact_list_.centres,
+                      totals.nodes);
   }
-  /// Keeps the forces of the `count` cells in contact (ContactList) as those of a point.
-  RA2D_FUNCTION void keep_forces(int point, int count) {
+  RA2D_FUNCTION void take_start() {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      lanes_.store(buffers_.velocity + p * width, now_.v[p]);
+      lanes_.store(buffers_.acceleration + p * width, lanes_.load(begin_.acceleration + p * width));
+    }
+    if (lanes_.leader()) {
+      buffers_.power[0] = begin_.power;
+      buffers_.power[points] = begin_.moving_power;
+    }
+    energy_ = begin_.energy;
+    keep_start_forces(begin_.cells, begin_.forces, begin_.centres, begin_.count);
+  }
+  /// Keeps the forces of `count` cells in contact at the beginning.
+  RA2D_FUNCTION void keep_start_forces(const int* cells, const double* forces,
+                                       const double* centres, int count) const {
     if (lanes_.leader())
       for (int e = 0, i = 0; e < cells_; ++e) {
-        const bool in_contact = i < count && contact_list_.nodes[i] == buffers_.cells[e];
-        buffers_.force[e * points + point] = in_contact ? contact_list_.forces[i] : 0.0;
-        buffers_.centre[e * points + point] = in_contact ? contact_list_.centres[i] : 0.0;
-        if (in_contact) ++i;
+        while (i < count && cells[i] < buffers_.cells[e]) ++i;
+        const bool in_contact = i < count && cells[i] == buffers_.cells[e];
+        buffers_.force[e * points] = in_contact ? forces[i] : 0.0;
+        buffers_.centre[e * points] = in_contact ? centres[i] : 0.0;
       }
     lanes_.sync();
   }
 
-  /// Adds the modal forces of the moving forces at x of their series; returns their power [W].
-  RA2D_FUNCTION double add_moving_forces(double x, const Real* v, Real* force) const {
+  /// Adds the modal forces of the moving forces at the beginning; returns their power [W].
+  RA2D_FUNCTION double add_moving_forces(Real* force) const {
     Real power(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real f = lanes_.load(force_series_ + adaptive_.order * row + p * width);
-      for (int j = adaptive_.order - 1; j >= 0; --j)
-        f = multiply_add(f, Real(x), lanes_.load(force_series_ + j * row + p * width));
+      const Real f = lanes_.load(force_series_ + p * width);
       force[p] = force[p] + f;
-      power = multiply_add(f, v[p], power);
+      power = multiply_add(f, now_.v[p], power);
     }
     return lanes_.sum(power);
   }

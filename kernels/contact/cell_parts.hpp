@@ -24,6 +24,19 @@ KOKKOS_FORCEINLINE_FUNCTION void shift_cubic(const Real* c, const Real& x, Real*
   about[0] = cubic_at(c, x);
 }
 
+/// The largest value of a cubic between two places.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Real highest_between(const Real* c, const Real& from, const Real& to) {
+  // where it is flat and concave: the root of c_1 + 2 c_2 x + 3 c_3 x^2 at which that falls. Where
+  // there is none, any place does no harm.
+  const Real root =
+      Kokkos::sqrt(Kokkos::max(Real(0.0), multiply_add(c[2], c[2], Real(-3.0) * c[3] * c[1])));
+  const Real both = Kokkos::max(root + Kokkos::abs(c[2]), Real(1e-300));
+  const Real flat = if_positive(c[2], -both, c[1]) / if_positive(c[2], Real(3.0) * c[3], both);
+  const Real inside = Kokkos::min(Kokkos::max(flat, from), to);
+  return Kokkos::max(cubic_at(c, inside), Kokkos::max(cubic_at(c, from), cubic_at(c, to)));
+}
+
 /// The parts of cells that may be in contact, side by side: one part a lane. A part is the stretch
 /// of a cell to one side of the resonator's node within it, where the overlap is one cubic. Where
 /// that is concave, as at nearly every contact, all lanes take the same steps; the other parts go

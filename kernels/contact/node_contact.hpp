@@ -203,32 +203,6 @@ class NodeContact {
     lanes_.sum(part[2], part[3], sum.c[2], sum.c[3]);
     return sum;
   }
-  /// A piece of the resonator's face, about the middle of an expanded cell.
-  KOKKOS_FORCEINLINE_FUNCTION Cubic passing(int cell, const Place& place, int side) const {
-    return cells_.passing(cell, side, place.theta);
-  }
-  /// Smooth faces: adds the rate [N/s] of the modal contact force of an expanded cell while the
-  /// displacements u change by v and the slider moves by `speed` [chi/s]. What the shapes change by
-  /// at a fixed force is left out.
-  RA2D_FUNCTION void add_force_rate(int cell, const Place& place, const Real* u, const Real* v,
-                                    double speed, Real* rate) const {
-    const MovingCell moving = moving_cell(cell, place, u, v, speed);
-    CellContact sum;
-    for (int side = 0; side < 2; ++side)
-      if (!is_open(moving.overlap[side]))
-        visit_contact(moving.overlap[side], side == 0 ? -0.5 : moving.knot,
-                      side == 0 ? moving.knot : 0.5, [&](double left, double right) {
-                        add_closed(moving.rate[side], Cubic{}, left, right, sum);
-                      });
-    const Real offset(place.offset);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real phi[4], path[4];
-      cells_.along(cell, offset, p, phi, path);
-      for (int j = 0; j < 4; ++j)
-        rate[p] = multiply_add(-contact_.node_stiffness * sum.moment[j], phi[j], rate[p]);
-    }
-  }
-
   /// Contact detection and contact force at a state: adds the modal contact force of the listed
   /// nodes (in ascending order, expanded for this window) to `force`. Lists those in contact, if it
   /// is to be recorded.

@@ -321,25 +321,22 @@ TEST(CellParts, FollowContactFromWhereItWas) {
   EXPECT_GT(plainly_open, 1000);
 }
 
-/// A cubic of the time, alike all over the cell: its root.
-TEST(ForeseenCell, CrossesWhereItsOverlapIsNone) {
+/// Of any cubic between any two places: no lower than at many places, and as high as at one.
+TEST(HighestBetween, IsTheLargestValue) {
   Dice dice(5);
-  for (int trial = 0; trial < 200; ++trial) {
-    const double root = dice.uniform(0.01, 0.99), sign = dice.one_in(2) ? 1 : -1;
-    const double a = dice.uniform(0.1, 3), b = dice.uniform(0.1, 3);
-    // (s - root) (s^2 + a s + b)
-    ForeseenCell cell{};
-    cell.now.knot = dice.uniform(-0.5, 0.5);
-    for (int side = 0; side < 2; ++side) {
-      cell.now.overlap[side].c[0] = -sign * root * b;
-      cell.now.rate[side].c[0] = sign * (b - root * a);
-      cell.second[side].c[0] = sign * 2 * (a - root);
-      cell.third[side].c[0] = sign * 6;
-      cell.now.overlap[side].c[2] = cell.now.overlap[side].c[1] = 0;
-    }
-    const double start = cell.highest_after(0), end = cell.highest_after(1);
-    EXPECT_NEAR(end, sign * (1 - root) * (1 + a + b), 64 * eps);
-    EXPECT_NEAR(cell.crossing(1, start, end), root, 2e-4) << "trial " << trial;
+  for (int trial = 0; trial < 2000; ++trial) {
+    double c[4];
+    for (double& x : c) x = dice.one_in(8) ? 0.0 : dice.uniform(-1, 1);
+    const double from = dice.uniform(-0.5, 0.5), to = dice.uniform(from, 0.5);
+    const double highest = highest_between(c, from, to);
+    const auto at = [&](double x) { return ((c[3] * x + c[2]) * x + c[1]) * x + c[0]; };
+    double most = at(to);
+    constexpr int places = 400;
+    for (int i = 0; i < places; ++i) most = std::max(most, at(from + (to - from) * i / places));
+    EXPECT_GE(highest, most - 8 * eps) << "trial " << trial;
+    // between two places the cubic rises by no more than its second derivative over 8 allows
+    const double step = (to - from) / places, second = 2 * std::abs(c[2]) + 3 * std::abs(c[3]);
+    EXPECT_LE(highest, most + second * step * step / 8 + 8 * eps) << "trial " << trial;
   }
 }
 
