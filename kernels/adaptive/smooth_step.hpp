@@ -231,7 +231,9 @@ class SmoothStep {
     const double low = share(last), high = last < last_point ? share(last + 1) : 4.0;
     if (last == 0) return high;
     // the share as a function of the depth, at none: a parabola where the three fall, else a chord
-    const auto depth = [&](int i) { return Kokkos::cbrt(force[i] * force[i]); };  // to a factor
+    const auto depth = [&](int i) {  // to a factor
+      return Kokkos::exp2(2.0 / 3.0 * Kokkos::log2(force[i]));
+    };
     const double q0 = depth(last), q1 = depth(last - 1), s1 = share(last - 1);
     if (!(q1 > q0)) return high;
     double end = low + (low - s1) * (q0 / (q1 - q0));
