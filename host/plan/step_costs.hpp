@@ -37,7 +37,7 @@ inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 inline constexpr double row_smooth_steps = 0.75, row_smooth_steps_more = 0.065,
                         row_smooth_more_share = 0.55;
 // Between smooth faces: a step with contact, of nine points.
-inline constexpr double smooth_step = 7000.0;
+inline constexpr double smooth_step = 5700.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
 // average over runs of rough faces, for each that a contact is wide.
 inline constexpr double more_share = 0.25, usual_more_share = 0.14;
