@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import termios
+import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -132,14 +133,42 @@ def follow(words: Sequence[object], show: Callable[[str], None]) -> None:
     command = [str(find()), *map(str, words)]
     ours, its = pty.openpty()
     with tempfile.TemporaryFile() as printed, os.fdopen(ours, "rb", buffering=0) as screen:
-        child = subprocess.Popen(command, stdin=its, stdout=printed, stderr=its,
-                                 start_new_session=True,
-                                 preexec_fn=lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0))
-        os.close(its)
-        messages, interrupted = _watch(screen.fileno(), child, show)
+        with _HeldInterrupt() as held:  # or a program that has just begun would be forgotten
+            child = subprocess.Popen(command, stdin=its, stdout=printed, stderr=its,
+                                     start_new_session=True,
+                                     preexec_fn=lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0))
+            os.close(its)
+            messages, interrupted = _watch(screen.fileno(), child, show, held)
     if interrupted:
         raise KeyboardInterrupt(messages[-1] if messages else "")
     _finish(_status(child), messages)
+
+
+class _HeldInterrupt:
+    """Holds an interrupt (SIGINT) back until `release`, which raises it then. It can only arrive in
+    the main thread."""
+
+    def __enter__(self) -> _HeldInterrupt:
+        self._arrived, self._handler = False, None
+        handler = signal.getsignal(signal.SIGINT)
+        if threading.current_thread() is threading.main_thread() and callable(handler):
+            self._handler = handler
+            signal.signal(signal.SIGINT, self._note)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.release()
+
+    def _note(self, number: int, frame: object) -> None:
+        self._arrived = True
+
+    def release(self) -> None:
+        if self._handler is None:
+            return
+        signal.signal(signal.SIGINT, self._handler)
+        self._handler = None
+        if self._arrived:
+            signal.raise_signal(signal.SIGINT)
 
 
 def _status(child: subprocess.Popen[bytes]) -> int:
@@ -148,12 +177,14 @@ def _status(child: subprocess.Popen[bytes]) -> int:
 
 
 def _watch(screen: int, child: subprocess.Popen[bytes],
-           show: Callable[[str], None]) -> tuple[list[str], bool]:
-    """Reads until the program has ended: its messages, and whether there was an interrupt."""
+           show: Callable[[str], None], held: _HeldInterrupt) -> tuple[list[str], bool]:
+    """Reads until the program has ended: its messages, and whether there was an interrupt, also one
+    that was held back."""
     said, rest, interrupted = "", b"", False
     try:
         while True:
             try:
+                held.release()
                 block = os.read(screen, 1 << 16)
                 if not block:
                     break

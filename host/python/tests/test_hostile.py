@@ -5,6 +5,7 @@ import os
 import pathlib
 import shutil
 import signal
+import subprocess
 import threading
 import time
 
@@ -270,6 +271,23 @@ def test_an_interrupted_study_ends_in_order(folder):
         ra2d.study(slow, {"speed": [0.1, 0.11]}, folder=place, threads=1, show=False)
     interrupter.join()
     assert os.times().children_user - before < 1.5  # it did not run to its end
+    assert children() <= others
+
+
+def test_an_interrupt_while_the_program_begins(folder, monkeypatch):
+    """As above: it is handed on to a program that has only just been made."""
+    popen = subprocess.Popen
+
+    def begin(*args, **kwargs):
+        child = popen(*args, **kwargs)
+        signal.raise_signal(signal.SIGINT)
+        return child
+
+    monkeypatch.setattr(subprocess, "Popen", begin)
+    slow = ra2d.scene("dang2012").change(duration=0.9)
+    others = children()
+    with pytest.raises(KeyboardInterrupt):
+        ra2d.run(slow, output=folder / "begins.h5", show=False)
     assert children() <= others
 
 
