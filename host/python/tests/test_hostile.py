@@ -276,11 +276,12 @@ def test_an_interrupted_study_ends_in_order(folder):
 
 def test_an_interrupt_while_the_program_begins(folder, monkeypatch):
     """As above: it is handed on to a program that has only just been made."""
-    popen = subprocess.Popen
+    popen, begun = subprocess.Popen, []
 
     def begin(*args, **kwargs):
         child = popen(*args, **kwargs)
         signal.raise_signal(signal.SIGINT)
+        begun.append(child)
         return child
 
     monkeypatch.setattr(subprocess, "Popen", begin)
@@ -288,6 +289,7 @@ def test_an_interrupt_while_the_program_begins(folder, monkeypatch):
     others = children()
     with pytest.raises(KeyboardInterrupt):
         ra2d.run(slow, output=folder / "begins.h5", show=False)
+    assert [child.returncode is not None for child in begun] == [True]
     assert children() <= others
 
 
