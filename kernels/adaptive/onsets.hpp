@@ -60,7 +60,7 @@ struct PolynomialMotion {
     return pace == Pace::even ? advance : 2.0 * advance;
   }
   KOKKOS_FORCEINLINE_FUNCTION double change_of_slide_rate() const {
-    return pace == Pace::even ? 0.0 : 2.0 * advance;
+    return advance * Kokkos::abs(pace_change(pace));
   }
 
   /// Bounds on what the modes do up to `most`, at a place that moves with the slider.

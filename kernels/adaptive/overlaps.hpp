@@ -340,8 +340,8 @@ class Overlaps {
       return after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
     });
   }
-  /// A step between smooth faces.
-  struct Course {
+  /// The beginning of a step between smooth faces, and bounds on its motion.
+  struct StepBounds {
     End start;
     double interval;    // in x, between two points at which overlaps are found
     double curvature;   // m per x^2: bound on the modes' second derivative
@@ -354,15 +354,15 @@ class Overlaps {
   /// points, but for the beginning; beyond 1 at all. OnsetSearch::onsets gets the x that the search
   /// of each of the others begins at. Returns the number of those left, or no_room.
   template <class ClearUntil>
-  RA2D_FUNCTION int keep_close_at_points(const Course& course, int flagged, double tolerance,
+  RA2D_FUNCTION int keep_close_at_points(const StepBounds& step, int flagged, double tolerance,
                                          const ClearUntil& clear_until) const {
     int kept = 0;
-    return keep_those(course.start, flagged, [&](int cell) {
-      const MovingCell before = moving_cell(cell, course.start);
-      const double second = Kokkos::fma(course.slide_rate * course.slide_rate, before.curvature,
-                                        Kokkos::fma(course.change, before.slope, course.curvature));
+    return keep_those(step.start, flagged, [&](int cell) {
+      const MovingCell before = moving_cell(cell, step.start);
+      const double second = Kokkos::fma(step.slide_rate * step.slide_rate, before.curvature,
+                                        Kokkos::fma(step.change, before.slope, step.curvature));
       // sums over the modes, one after the other, round more than those over lanes
-      const double level = -4.0 * tolerance - 0.125 * course.interval * course.interval * second;
+      const double level = -4.0 * tolerance - 0.125 * step.interval * step.interval * second;
       const double from = before.highest_after(0.0) >= level ? 0.0 : clear_until(cell, level);
       if (from > 1.0) return false;
       if (lanes_.leader()) search_.onsets[kept] = from;

@@ -13,6 +13,7 @@ KOKKOS_INLINE_FUNCTION double pace_share(Pace pace, double x) {
 KOKKOS_INLINE_FUNCTION double pace_rate(Pace pace, double x) {
   return pace == Pace::even ? 1.0 : pace == Pace::from_onset ? 2.0 * x : 2.0 - 2.0 * x;
 }
+/// The change of that rate per x.
 KOKKOS_INLINE_FUNCTION double pace_change(Pace pace) {
   return pace == Pace::even ? 0.0 : pace == Pace::from_onset ? 2.0 : -2.0;
 }

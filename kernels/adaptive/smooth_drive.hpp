@@ -120,8 +120,7 @@ class SmoothDrive {
         first = search(now, place, tick, ticks, available);
         if (first < 0.0) [[unlikely]]
           return Outcome::crowded;
-        if (course == Course::kinked && errors.of(course) > 1.0)
-          released = find_first_release(place);
+        if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
       }
       // a step graded towards a release that is where it should be
       if (pace == Pace::to_release && released > 0.99 && released <= 1.0 && !any_begins())
@@ -214,10 +213,10 @@ class SmoothDrive {
     for (int i = 0; i < most_tries; ++i) {
       step_.begin(ticks, pace);
       cells_ = step_.leave_out_open();
-      double share = first_release();
+      double share = expected_release();
       if (suits(pace, share)) {
         step_.sweep_on();
-        share = first_release();
+        share = expected_release();
         if (suits(pace, share)) break;
       }
       const double release = share * static_cast<double>(ticks);
@@ -249,7 +248,7 @@ class SmoothDrive {
   }
   /// Where the first of the contacts at the beginning is expected to end, as a share of the step's
   /// time; beyond 1 where none does within it.
-  RA2D_FUNCTION double first_release() const {
+  RA2D_FUNCTION double expected_release() const {
     find_runs(1.0);
     double first = 4.0;
     for (int r = 0; r < points_.run_count; ++r)
@@ -288,13 +287,14 @@ class SmoothDrive {
     const double tolerance = overlaps_.overlap_rounding(now.u);
     Real u[packs], rate[packs];
     motion.at(lanes_, 0.0, u, rate);
-    const typename Overlaps<Lanes, packs>::Course course{{place, u, rate, motion.slide_rate(0.0)},
-                                                         step_.longest_interval(),
-                                                         b.curvature,
-                                                         motion.most_slide_rate(),
-                                                         motion.change_of_slide_rate()};
-    flagged_ =
-        overlaps_.keep_close_at_points(course, flagged_, tolerance, [&](int cell, double level) {
+    const typename Overlaps<Lanes, packs>::StepBounds bounds_there{
+        {place, u, rate, motion.slide_rate(0.0)},
+        step_.longest_interval(),
+        b.curvature,
+        motion.most_slide_rate(),
+        motion.change_of_slide_rate()};
+    flagged_ = overlaps_.keep_close_at_points(
+        bounds_there, flagged_, tolerance, [&](int cell, double level) {
           const int point = step_.first_point_over(cell, level);
           return point > last_point ? 2.0 : step_.place(point - 1);
         });
@@ -485,7 +485,7 @@ class SmoothDrive {
     return high;
   }
   /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
-  RA2D_FUNCTION double find_first_release(const Place& place) const {
+  RA2D_FUNCTION double first_release(const Place& place) const {
     double first = 3.0;
     for (int r = 0; r < points_.run_count; ++r) {
       const CellRun run = points_.runs[r];
