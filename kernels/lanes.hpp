@@ -38,10 +38,10 @@ struct HostLanes {
   using Mask = typename Real::mask_type;
   static constexpr int width = static_cast<int>(Real::size());
 
-  int filled_packs = most_modes;  // that have modes in them
+  int filled_packs = most_modes;  // that have modes in them, or the first: every sum begins with it
 
   HostLanes() = default;
-  explicit HostLanes(int modes) : filled_packs{(modes + width - 1) / width} {}
+  explicit HostLanes(int modes) : filled_packs{modes > width ? (modes + width - 1) / width : 1} {}
 
   static Real load(const double* p) {
     return Kokkos::Experimental::simd_unchecked_load<Real>(p,

@@ -43,6 +43,14 @@ TEST(Lanes, IndexCountsTheLanes) {
   for (int lane = 0; lane < width; ++lane) EXPECT_EQ(x[lane], lane);
 }
 
+TEST(Lanes, EverySumHasAFirstPackAndNoneWithoutModesBehindIt) {
+  // sums over the modes begin with the first pack: without modes it has to be set, too
+  EXPECT_EQ(filled<64>(HostLanes(0)), 1);
+  EXPECT_EQ(filled<64>(HostLanes(1)), 1);
+  EXPECT_EQ(filled<64>(HostLanes(width)), 1);
+  EXPECT_EQ(filled<64>(HostLanes(width + 1)), 2);
+}
+
 TEST(Lanes, SumOfEachLaneAloneAndOfAll) {
   Values all;
   for (int lane = 0; lane < width; ++lane) {
