@@ -150,6 +150,7 @@ struct StepStart {
   bool knows_forces = false, knows_rates = false;
   int count = 0;                                 // cells that carry force
   double energy = 0;                             // J, of the springs
+  double most_energy = 0;                        // J, of the springs after a step so far
   double power = 0, moving_power = 0;            // W, of the imposed motion, of the moving forces
   int* cells = nullptr;                          // that carry force, in ascending order
   double *forces = nullptr, *centres = nullptr;  // N; chi, where each acts on the slider

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/scene/hertz.hpp"
+#include "host/scene/schemes.hpp"
 #include "host/scene_file/unit_doubts.hpp"
 
 namespace ra2d {
@@ -134,6 +135,23 @@ void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider
           too_small);
 }
 
+/// Between smooth faces a mode's shape is its Taylor cubic over each spacing: off by beta^4
+/// (spacing/2)^4/4! at its ends, a tenth of that in a motion.
+void doubt_cells(const Model& model, Doubts& doubts) {
+  const Scene& scene = model.scene;
+  if (!model.has_smooth_faces() || !is_adaptive(scene)) return;
+  const double beta =
+      std::max(highest_wave_number(model.resonator), highest_wave_number(model.slider));
+  const double off = std::pow(0.5 * beta * scene.spacing, 4) / 24;
+  const double tolerance = scene.time.tolerance.value_or(usual_tolerance), most = 10 * tolerance;
+  if (off > most)
+    doubts.push_back(fmt::format(
+        "scene.spacing = {:g} m: between smooth faces a mode's shape is a cubic over each spacing, "
+        "off by {:.1g} in the highest mode: time.tolerance = {:g} is out of reach. Take a spacing "
+        "of {:.2g} m or less, or a larger tolerance",
+        scene.spacing, off, tolerance, std::pow(24 * most, 0.25) * 2 / beta));
+}
+
 }  // namespace
 
 std::vector<std::string> scene_doubts(const Scene& scene) {
@@ -152,6 +170,7 @@ void doubt_faces(const Model& model, std::vector<std::string>& doubts) {
   if (scene.slider.surface.kind == SurfaceKind::gaussian)
     doubt_roughness("slider", scene.slider, slider, doubts);
   doubt_gap(model, resonator, slider, doubts);
+  doubt_cells(model, doubts);
 }
 
 void doubt_sound(const Model& model, std::vector<std::string>& doubts) {

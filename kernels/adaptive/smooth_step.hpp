@@ -171,6 +171,11 @@ class SmoothStep {
     if (!(size < 1e300)) return {size - size + 1e300, 1e300};  // not a number, or too large
     if (!(size > 0.0)) return {0.0, 0.0};
     if (!converges_) return {1e30, 1e30};
+    // the work of the imposed motion counts, too: it is all that there is between rigid bodies
+    const double most = Kokkos::max(size, 2.0 * begin_.most_energy);
+    const double per_power = size / (most * most);
+    of_last = Kokkos::fma(per_power, square_of_power(legendre_8, legendre_7), of_last);
+    of_middle = Kokkos::fma(per_power, square_of_power(legendre_4, legendre_3), of_middle);
     constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
     const double per = time_ / (share * adaptive_.tolerance * Kokkos::sqrt(size));
     return {per * Kokkos::sqrt(of_last), per * Kokkos::sqrt(of_middle)};
@@ -197,6 +202,7 @@ class SmoothStep {
       begin_.knows_rates = knows_rates;
       begin_.knows_forces = whole;
       begin_.energy = energy_at_end_;
+      begin_.most_energy = Kokkos::max(begin_.most_energy, energy_at_end_);
       begin_.power = buffers_.power[last_point];
       begin_.moving_power = buffers_.power[points + last_point];
       begin_.count = 0;
@@ -406,6 +412,16 @@ class SmoothStep {
         v[p] = multiply_add(w[j], lanes_.load(buffers_.acceleration + j * row + p * width), v[p]);
       }
     }
+  }
+
+  /// Of the imposed motion's power [W], two of its coefficients, squared.
+  KOKKOS_FORCEINLINE_FUNCTION double square_of_power(int first, int second) const {
+    double a = 0.0, b = 0.0;
+    for (int j = 0; j < collocation_points; ++j) {
+      a = Kokkos::fma(table_[first + j], buffers_.power[j], a);
+      b = Kokkos::fma(table_[second + j], buffers_.power[j], b);
+    }
+    return Kokkos::fma(a, a, b * b);
   }
 
   /// Finds the rate of the accelerations at the beginning, but for what contact forces change by.

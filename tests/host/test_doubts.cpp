@@ -168,6 +168,21 @@ TEST(Doubts, AMicrophoneThatHearsModesAtFalseFrequencies) {
   EXPECT_THAT(of("20e3"), Contains(HasSubstr("frequencies that are not theirs")));
 }
 
+TEST(Doubts, ASpacingTooWideForTheTolerance) {
+  // beta of the highest mode is 193 / m: (beta 5e-4 m)^4/4! = 3.6e-6
+  const Texts coarse = {"scene.faces=smooth", "scene.spacing=1e-3", "time.scheme=adaptive",
+                        "resonator.surface.rsm=2e-2", "slider.surface.rsm=2e-2"};
+  const auto at = [&](const char* tolerance) {
+    Texts changes = coarse;
+    changes.push_back(std::string("time.tolerance=") + tolerance);
+    return said("dang2012", changes);
+  };
+  EXPECT_THAT(at("1e-8"),
+              Contains(AllOf(HasSubstr("scene.spacing = 0.001 m"), HasSubstr("off by 4e-06"),
+                             HasSubstr("0.0004 m or less"))));
+  EXPECT_THAT(at("1e-6"), Not(Contains(HasSubstr("cubic"))));
+}
+
 TEST(Doubts, AStiffnessBeyondTheHalfSpace) {
   const auto of = [](const std::string& name, const std::string& value) {
     Texts found;

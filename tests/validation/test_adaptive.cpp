@@ -378,6 +378,33 @@ TEST(AdaptiveRigid, NothingMovesThroughThousandsOfWindows) {
         << i;
 }
 
+TEST(AdaptiveRigid, BetweenSmoothFacesWorkAndImpulsesAreThoseOfTheTolerance) {
+  // nothing moves but the slider along its path: the springs' work is all that there is
+  Scene s = rough_scene(Support::rigid);
+  s.faces = Faces::smooth;
+  s.resonator.support = Support::rigid;
+  s.resonator.modes = 0;
+  s.duration = 2e-3;
+  s.output.rate = 1e5;
+  const auto at = [&](double tolerance) { return simulate(adaptive(s, tolerance)); };
+  const Recording fine = at(1e-13);
+  ASSERT_EQ(fine.end.status, Status::done);
+  ASSERT_GT(fine.shocks.size(), 10);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+    const Recording r = at(tolerance);
+    ASSERT_EQ(r.end.status, Status::done);
+    // found: up to 2.7 of the tolerance, and impulses to 111 of that of the largest
+    EXPECT_LT(r.energy.closure(), 10 * tolerance) << tolerance;
+    ASSERT_EQ(r.shocks.size(), fine.shocks.size()) << tolerance;
+    double largest = 0, off = 0;
+    for (std::size_t i = 0; i < r.shocks.size(); ++i) {
+      largest = std::max(largest, fine.shocks[i].impulse);
+      off = std::max(off, std::abs(r.shocks[i].impulse - fine.shocks[i].impulse));
+    }
+    EXPECT_LT(off, 1000 * tolerance * largest) << tolerance;
+  }
+}
+
 TEST(AdaptiveRigid, AShockStandsWhereItsForceDoesOnTheMean) {
   // one node slides at a constant overlap: half way between where it begins and where it ends
   Scene s = adaptive(plate_scene(0, 0.004, 1e-3), 1e-8);
