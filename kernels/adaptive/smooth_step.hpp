@@ -171,8 +171,9 @@ class SmoothStep {
     if (!(size < 1e300)) return {size - size + 1e300, 1e300};  // not a number, or too large
     if (!(size > 0.0)) return {0.0, 0.0};
     if (!converges_) return {1e30, 1e30};
-    // the work of the imposed motion counts, too: it is all that there is between rigid bodies
-    const double most = Kokkos::max(size, 2.0 * begin_.most_energy);
+    // The work of the imposed motion counts, too: it is all that there is between rigid bodies. To
+    // a tenth of the tolerance, since of works in and out little is left.
+    const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy);
     const double per_power = size / (most * most);
     of_last = Kokkos::fma(per_power, square_of_power(legendre_8, legendre_7), of_last);
     of_middle = Kokkos::fma(per_power, square_of_power(legendre_4, legendre_3), of_middle);
