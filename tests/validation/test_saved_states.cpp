@@ -69,14 +69,26 @@ INSTANTIATE_TEST_SUITE_P(Schemes, SavedState_, testing::ValuesIn(schemes),
                          [](const auto& tested) { return tested.param.name; });
 
 TEST(SavedStates, OfTheAdaptiveScheme) {
-  std::int64_t shocks = 0;
-  const auto scenes = static_cast<std::uint64_t>(draws(12));
-  for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
-    const Started c = random_adaptive_scene(seed);
-    expect_goes_on_the_same(c, seed);
-    shocks += march(c.model, c.start, Nodes::candidates).end.shocks_begun;
+  for (const Faces faces : {Faces::linear, Faces::smooth}) {
+    std::int64_t shocks = 0;
+    const auto scenes = static_cast<std::uint64_t>(draws(12));
+    for (std::uint64_t seed = 1; seed <= scenes; ++seed) {
+      const Started c = random_adaptive_scene(seed, faces);
+      expect_goes_on_the_same(c, seed);
+      shocks += march(c.model, c.start, Nodes::candidates).end.shocks_begun;
+    }
+    EXPECT_GT(shocks, draws_enough() ? 10 : 0);
   }
-  EXPECT_GT(shocks, draws_enough() ? 10 : 0);
+}
+
+TEST(SavedStates, OfSmoothMaps) {
+  for (const Support block : {Support::rigid, Support::free}) {
+    ArealScene s = small_areal_scene(block);
+    s.faces = Faces::smooth;
+    const Started c = areal_march(s, 1e-6, 1e-4, 4);
+    EXPECT_GT(march(c.model, c.start, Nodes::candidates).end.shocks_begun, 0);
+    expect_goes_on_the_same(c, 1);
+  }
 }
 
 TEST(Capacity, RunsOutAndGrowsWithTheSameBits) {
