@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/format.hpp"
 #include "host/scene/hertz.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/unit_doubts.hpp"
@@ -135,21 +136,23 @@ void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider
           too_small);
 }
 
-/// Between smooth faces a mode's shape is its Taylor cubic over each spacing: off by beta^4
-/// (spacing/2)^4/4! at its ends, a tenth of that in a motion.
+/// Along a cell of smooth faces a mode's shape is its Taylor cubic: off by beta^4 (spacing/2)^4/4!
+/// at its ends. The motion is off by a tenth of that, or less.
 void doubt_cells(const Model& model, Doubts& doubts) {
+  if (!model.has_smooth_faces()) return;
+  constexpr double of_fixed_steps = 1e-6;
   const Scene& scene = model.scene;
-  if (!model.has_smooth_faces() || !is_adaptive(scene)) return;
+  const double allowed =
+      is_adaptive(scene) ? 10 * scene.time.tolerance.value_or(usual_tolerance) : of_fixed_steps;
   const double beta =
       std::max(highest_wave_number(model.resonator), highest_wave_number(model.slider));
   const double off = std::pow(0.5 * beta * scene.spacing, 4) / 24;
-  const double tolerance = scene.time.tolerance.value_or(usual_tolerance), most = 10 * tolerance;
-  if (off > most)
-    doubts.push_back(fmt::format(
-        "scene.spacing = {:g} m: between smooth faces a mode's shape is a cubic over each spacing, "
-        "off by {:.1g} in the highest mode: time.tolerance = {:g} is out of reach. Take a spacing "
-        "of {:.2g} m or less, or a larger tolerance",
-        scene.spacing, off, tolerance, std::pow(24 * most, 0.25) * 2 / beta));
+  if (!(off > allowed)) return;
+  doubts.push_back(fmt::format(
+      "scene.spacing = {:g} m: along a cell, as long as that, the highest mode's shape is taken "
+      "for a cubic, off by {:.1g} of its size{}: with scene.spacing = {} it is {:g}",
+      scene.spacing, off, is_adaptive(scene) ? ", more than ten times time.tolerance" : "",
+      rounded_down(scene.spacing * std::pow(allowed / off, 0.25)), allowed));
 }
 
 }  // namespace

@@ -286,25 +286,6 @@ void note_splines(const Model& model, Plan& plan) {
   }
 }
 
-/// Along a cell of smooth faces the modes' shapes are cubics.
-void note_cells(const Model& model, Plan& plan) {
-  if (!model.has_smooth_faces()) return;
-  constexpr double of_fixed_steps = 1e-6;
-  const Scene& scene = model.scene;
-  const double allowed =
-      is_adaptive(scene) ? scene.time.tolerance.value_or(usual_tolerance) : of_fixed_steps;
-  const double wave =
-      std::max(highest_wave_number(model.resonator), highest_wave_number(model.slider));
-  const double off = std::pow(0.5 * wave * scene.spacing, 4) / 24;
-  if (!(off > allowed)) return;
-  plan.notes.push_back(
-      fmt::format("along a cell, {:g} um long, the highest mode's shape is taken for a cubic, off "
-                  "by {:.1g} of its "
-                  "size{}: with scene.spacing = {} it is {:g}",
-                  scene.spacing * 1e6, off, is_adaptive(scene) ? ", more than time.tolerance" : "",
-                  rounded_down(scene.spacing * std::pow(allowed / off, 0.25)), allowed));
-}
-
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
 std::string limit_text(double limit) {
   return std::isinf(limit) ? "every step" : limit == 0 ? "no step" : seconds_text(limit);
@@ -651,7 +632,6 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
   if (!is_adaptive(scene)) note_step(model, plan);
   note_mesh(scene, plan);
   note_splines(model, plan);
-  note_cells(model, plan);
   plan.sound = plan_sound(model, plan.notes);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);

@@ -708,7 +708,7 @@ TEST_F(ArealProgram, PlansSmoothFacesByTheirRows) {
                 AllOf(Not(HasSubstr("spline")), Not(HasSubstr("tone")), Not(HasSubstr("cubic"))));
   words.insert(words.end(), {"--set", "time.tolerance=1e-13"});
   const test::Ended strict = run(words);
-  EXPECT_THAT(strict.out, AllOf(HasSubstr("taken for a cubic"), HasSubstr("time.tolerance")));
+  EXPECT_THAT(strict.err, AllOf(HasSubstr("taken for a cubic"), HasSubstr("time.tolerance")));
 }
 
 TEST_F(ArealProgram, RunsAndKeepsMapsAndModes) {

@@ -170,17 +170,18 @@ TEST(Doubts, AMicrophoneThatHearsModesAtFalseFrequencies) {
 
 TEST(Doubts, ASpacingTooWideForTheTolerance) {
   // beta of the highest mode is 193 / m: (beta 5e-4 m)^4/4! = 3.6e-6
-  const Texts coarse = {"scene.faces=smooth", "scene.spacing=1e-3", "time.scheme=adaptive",
-                        "resonator.surface.rsm=2e-2", "slider.surface.rsm=2e-2"};
-  const auto at = [&](const char* tolerance) {
-    Texts changes = coarse;
-    changes.push_back(std::string("time.tolerance=") + tolerance);
-    return said("dang2012", changes);
+  const auto with = [](const std::string& time) {
+    return said("dang2012", {"scene.faces=smooth", "scene.spacing=1e-3", time,
+                             "resonator.surface.rsm=2e-2", "slider.surface.rsm=2e-2"});
   };
-  EXPECT_THAT(at("1e-8"),
+  const auto adaptive = [&](const char* tolerance) {
+    return with(fmt::format("time={{scheme=\"adaptive\",tolerance={}}}", tolerance));
+  };
+  EXPECT_THAT(adaptive("1e-8"),
               Contains(AllOf(HasSubstr("scene.spacing = 0.001 m"), HasSubstr("off by 4e-06"),
-                             HasSubstr("0.0004 m or less"))));
-  EXPECT_THAT(at("1e-6"), Not(Contains(HasSubstr("cubic"))));
+                             HasSubstr("scene.spacing = 0.000395 it is 1e-07"))));
+  EXPECT_THAT(adaptive("1e-6"), Not(Contains(HasSubstr("cubic"))));
+  EXPECT_THAT(with("time.step=1e-8"), Contains(HasSubstr("it is 1e-06")));
 }
 
 TEST(Doubts, AStiffnessBeyondTheHalfSpace) {
