@@ -50,13 +50,16 @@ int count_valid_steps(const Model& model) {
 }
 
 /// Parts of a node's width so narrow that a cubic over one, off by beta^4 (width/2)^4/4!, is right
-/// to two ulp, or far below the asked tolerance.
+/// to two ulp, or far below the asked tolerance. Between smooth faces each part ends a step.
 int count_windows(const Model& model) {
   const Scene& scene = model.scene;
-  const double left_out =
-      is_adaptive(scene)
-          ? std::clamp(1e-4 * scene.time.tolerance.value_or(usual_tolerance), 0x1p-51, 1e-13)
-          : 0x1p-51;
+  double left_out = 0x1p-51;
+  if (is_adaptive(scene)) {
+    const double tolerance = scene.time.tolerance.value_or(usual_tolerance),
+                 most =
+                     model.has_smooth_faces() ? std::clamp(1e-5 * tolerance, 1e-13, 1e-11) : 1e-13;
+    left_out = std::clamp(1e-4 * tolerance, 0x1p-51, most);
+  }
   return static_cast<int>(
       std::ceil(std::max(1.0, 0.5 * highest_wave_number(model.resonator) * scene.spacing /
                                   std::pow(24 * left_out, 0.25))));

@@ -106,7 +106,7 @@ class SmoothDrive {
     while (true) {
       step_.finish();
       find_runs(1.0);
-      const auto errors = step_.errors();
+      const auto errors = step_.errors(overlaps_.overlap_rounding(now.u));
       Course course = Course::smooth;
       if (any_begins_or_ends())
         course = Course::kinked;

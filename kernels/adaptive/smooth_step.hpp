@@ -154,7 +154,8 @@ class SmoothStep {
       return 0.9 * Kokkos::exp2(-Kokkos::log2(error) / order);
     }
   };
-  RA2D_FUNCTION Errors errors() const {
+  /// `rounding`: of an overlap [m].
+  RA2D_FUNCTION Errors errors(double rounding) const {
     Real last(0.0), middle(0.0), before(0.0), after(0.0);
     add_squares(legendre_8, last);
     add_squares(legendre_7, last);
@@ -172,11 +173,15 @@ class SmoothStep {
     if (!(size > 0.0)) return {0.0, 0.0};
     if (!converges_) return {1e30, 1e30};
     // The work of the imposed motion counts, too: it is all that there is between rigid bodies. To
-    // a tenth of the tolerance, since of works in and out little is left.
-    const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy);
-    const double per_power = size / (most * most);
-    of_last = Kokkos::fma(per_power, square_of_power(legendre_8, legendre_7), of_last);
-    of_middle = Kokkos::fma(per_power, square_of_power(legendre_4, legendre_3), of_middle);
+    // a tenth of the tolerance, since of works in and out little is left, and but for roundings.
+    const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy),
+                 noise = rounding * most_force() / time_;
+    const auto of_work = [&](int first, int second) {
+      const double excess = Kokkos::max(size_of_power(first, second) - noise, 0.0) / most;
+      return size * excess * excess;
+    };
+    of_last += of_work(legendre_8, legendre_7);
+    of_middle += of_work(legendre_4, legendre_3);
     constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
     const double per = time_ / (share * adaptive_.tolerance * Kokkos::sqrt(size));
     return {per * Kokkos::sqrt(of_last), per * Kokkos::sqrt(of_middle)};
@@ -415,14 +420,24 @@ class SmoothStep {
     }
   }
 
-  /// Of the imposed motion's power [W], two of its coefficients, squared.
-  KOKKOS_FORCEINLINE_FUNCTION double square_of_power(int first, int second) const {
+  /// Of the imposed motion's power [W], two of its coefficients together.
+  KOKKOS_FORCEINLINE_FUNCTION double size_of_power(int first, int second) const {
     double a = 0.0, b = 0.0;
     for (int j = 0; j < collocation_points; ++j) {
       a = Kokkos::fma(table_[first + j], buffers_.power[j], a);
       b = Kokkos::fma(table_[second + j], buffers_.power[j], b);
     }
-    return Kokkos::fma(a, a, b * b);
+    return Kokkos::sqrt(Kokkos::fma(a, a, b * b));
+  }
+  /// The largest force at the beginning, the middle and the end [N].
+  KOKKOS_FORCEINLINE_FUNCTION double most_force() const {
+    double most = 0.0;
+    for (int i = 0; i <= last_point; i += last_point / 2) {
+      double force = 0.0;
+      for (int e = 0; e < cells_; ++e) force += buffers_.force[e * points + i];
+      most = Kokkos::max(most, force);
+    }
+    return most;
   }
 
   /// Finds the rate of the accelerations at the beginning, but for what contact forces change by.

@@ -55,7 +55,7 @@ TEST_P(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
   const int scenes = draws(GetParam() == Faces::linear ? 40 : 25);
   constexpr std::uint64_t begin = 53;  // the usual forty make fewer than 20 000 steps each
   int done = 0, touching = 0, in_and_out = 0;
-  double evaluated = 0, all_evaluated = 0;
+  std::vector<double> evaluated;  // share of those of all nodes
   for (std::uint64_t seed = begin; seed < begin + scenes; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Started c = random_adaptive_scene(seed, GetParam());
@@ -75,14 +75,16 @@ TEST_P(AdaptiveInvariance, RandomScenesAreTheSameBitForBit) {
     done += all.end.status == Status::done;
     touching += all.end.contact_steps > 0;
     in_and_out += all.end.shocks_begun >= 5;
-    evaluated += static_cast<double>(some.end.evaluated);
-    all_evaluated += static_cast<double>(all.end.evaluated);
+    evaluated.push_back(static_cast<double>(some.end.evaluated) /
+                        static_cast<double>(all.end.evaluated));
   }
   EXPECT_EQ(done, scenes);
   if (!draws_enough()) return;
   EXPECT_GE(touching, scenes / 2);
   EXPECT_GE(in_and_out, scenes / 4);
-  EXPECT_LT(evaluated, (GetParam() == Faces::linear ? 0.75 : 0.9) * all_evaluated);
+  const auto middle = evaluated.begin() + scenes / 2;
+  std::nth_element(evaluated.begin(), middle, evaluated.end());
+  EXPECT_LT(*middle, GetParam() == Faces::linear ? 0.75 : 0.9);
 }
 
 TEST_P(AdaptiveInvariance, OneStepALaunch) {

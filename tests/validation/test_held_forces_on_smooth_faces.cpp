@@ -37,12 +37,14 @@ INSTANTIATE_TEST_SUITE_P(Schemes, HeldOnSmoothFaces, testing::ValuesIn(kinds),
                          [](const auto& tested) { return tested.param.name; });
 
 Started random_smooth_scene(std::uint64_t seed, const Scheme& kind, double stiffer) {
-  return random_scene(seed, {kind, 0, [&](Scene& s) {
-                               s.faces = Faces::smooth;
-                               s.contact.stiffness *= stiffer;
-                               if (s.contact.law == ContactLaw::multiplier)
-                                 s.initial = Initial::rest;
-                             }});
+  return random_scene(seed,
+                      {kind, 0, [&](Scene& s) {
+                         s.faces = Faces::smooth;
+                         s.contact.stiffness *= stiffer;
+                         // springs as stiff as that have no equilibrium that is found
+                         if (s.contact.law == ContactLaw::multiplier || s.contact.stiffness > 1e20)
+                           s.initial = Initial::rest;
+                       }});
 }
 
 TEST_P(HeldOnSmoothFaces, RandomScenesAreTheSameBitForBitOverAllCellsAndCandidates) {

@@ -206,7 +206,8 @@ TEST(SmoothMapsInTiles, CandidatesChangeNoBit) {
                     some = simulate(areal_march(s, tolerance, 2e-4, 10));
     EXPECT_GT(all.end.shocks_begun, 5);
     EXPECT_TRUE(same(all, some));
-    EXPECT_LT(3 * some.end.evaluated, all.end.evaluated);
+    // longer windows at 1e-5 make fewer steps: all nodes are evaluated less often, others not
+    EXPECT_LT((tolerance < 1e-6 ? 3 : 2) * some.end.evaluated, all.end.evaluated);
   }
   for (const int i : {2, 7}) {
     const Scheme scheme = schemes_and_implicit()[i];
