@@ -170,21 +170,19 @@ class SmoothStep {
     lanes_.sum(before, after, start, end);
     const double size = Kokkos::max(start, end) + 2.0 * Kokkos::max(energy_, energy_at_end_);
     if (!(size < 1e300)) return {size - size + 1e300, 1e300};  // not a number, or too large
-    if (!(size > 0.0)) return {0.0, 0.0};
+    // Works count to a tenth of the tolerance, since of those in and out little is left; and but
+    // for roundings. Between rigid bodies the work of the imposed motion is all that there is.
+    const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy);
+    if (!(most > 0.0)) return {0.0, 0.0};
     if (!converges_) return {1e30, 1e30};
-    // The work of the imposed motion counts, too: it is all that there is between rigid bodies. To
-    // a tenth of the tolerance, since of works in and out little is left, and but for roundings.
-    const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy),
-                 noise = rounding * most_force() / time_;
-    const auto of_work = [&](int first, int second) {
-      const double excess = Kokkos::max(size_of_power(first, second) - noise, 0.0) / most;
-      return size * excess * excess;
-    };
-    of_last += of_work(legendre_8, legendre_7);
-    of_middle += of_work(legendre_4, legendre_3);
     constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
-    const double per = time_ / (share * adaptive_.tolerance * Kokkos::sqrt(size));
-    return {per * Kokkos::sqrt(of_last), per * Kokkos::sqrt(of_middle)};
+    const double per = time_ / (share * adaptive_.tolerance),
+                 noise = rounding * most_force() / time_;
+    const auto error = [&](double square, int first, int second) {
+      const double work = Kokkos::max(size_of_power(first, second) - noise, 0.0) / most;
+      return per * Kokkos::sqrt(Kokkos::fma(work, work, size > 0.0 ? square / size : 0.0));
+    };
+    return {error(of_last, legendre_8, legendre_7), error(of_middle, legendre_4, legendre_3)};
   }
 
   KOKKOS_FORCEINLINE_FUNCTION const Modes& end() const { return end_; }
