@@ -38,7 +38,7 @@ struct HostLanes {
   using Mask = typename Real::mask_type;
   static constexpr int width = static_cast<int>(Real::size());
 
-  int filled_packs = most_modes;  // that have modes in them, or the first: every sum begins with it
+  int filled_packs = most_modes;  // that have modes in them; at least one: sums begin with it
 
   HostLanes() = default;
   explicit HostLanes(int modes) : filled_packs{modes > width ? (modes + width - 1) / width : 1} {}

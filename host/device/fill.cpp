@@ -55,10 +55,10 @@ int count_windows(const Model& model) {
   const Scene& scene = model.scene;
   double left_out = 0x1p-51;
   if (is_adaptive(scene)) {
-    const double tolerance = scene.time.tolerance.value_or(usual_tolerance),
-                 most =
-                     model.has_smooth_faces() ? std::clamp(1e-5 * tolerance, 1e-13, 1e-11) : 1e-13;
-    left_out = std::clamp(1e-4 * tolerance, 0x1p-51, most);
+    const double tolerance = scene.time.tolerance.value_or(usual_tolerance);
+    double most = 1e-13;
+    if (model.has_smooth_faces()) most = std::clamp(1e-5 * tolerance, most, 1e-11);
+    left_out = std::clamp(1e-4 * tolerance, left_out, most);
   }
   return static_cast<int>(
       std::ceil(std::max(1.0, 0.5 * highest_wave_number(model.resonator) * scene.spacing /

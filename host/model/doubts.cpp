@@ -137,21 +137,21 @@ void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider
 }
 
 /// Along a cell of smooth faces a mode's shape is its Taylor cubic: off by beta^4 (spacing/2)^4/4!
-/// at its ends. The motion is off by a tenth of that, or less.
+/// at its ends.
 void doubt_cells(const Model& model, Doubts& doubts) {
   if (!model.has_smooth_faces()) return;
   constexpr double of_fixed_steps = 1e-6;
   const Scene& scene = model.scene;
   const double allowed =
-      is_adaptive(scene) ? 10 * scene.time.tolerance.value_or(usual_tolerance) : of_fixed_steps;
+      is_adaptive(scene) ? scene.time.tolerance.value_or(usual_tolerance) : of_fixed_steps;
   const double beta =
       std::max(highest_wave_number(model.resonator), highest_wave_number(model.slider));
   const double off = std::pow(0.5 * beta * scene.spacing, 4) / 24;
   if (!(off > allowed)) return;
   doubts.push_back(fmt::format(
-      "scene.spacing = {:g} m: along a cell, as long as that, the highest mode's shape is taken "
-      "for a cubic, off by {:.1g} of its size{}: with scene.spacing = {} it is {:g}",
-      scene.spacing, off, is_adaptive(scene) ? ", more than ten times time.tolerance" : "",
+      "scene.spacing = {:g} m: along a cell of that length the highest mode's shape is taken for a "
+      "cubic, off by {:.1g} of its size{}: with scene.spacing = {} it is {:g}",
+      scene.spacing, off, is_adaptive(scene) ? ", more than time.tolerance" : "",
       rounded_down(scene.spacing * std::pow(allowed / off, 0.25)), allowed));
 }
 

@@ -86,6 +86,7 @@ class SmoothDrive {
       const std::int64_t valid = moving_forces_.expand(tick, control_.series_scale);
       if (valid < available) available = valid;
     }
+    rounding_ = overlaps_.overlap_rounding(now.u);
     const double guess = control_.series_scale / motion_.time_step;
     std::int64_t ticks =
         guess < static_cast<double>(available) ? static_cast<std::int64_t>(guess) : available;
@@ -106,7 +107,7 @@ class SmoothDrive {
     while (true) {
       step_.finish();
       find_runs(1.0);
-      const auto errors = step_.errors(overlaps_.overlap_rounding(now.u));
+      const auto errors = step_.errors(rounding_);
       Course course = Course::smooth;
       if (any_begins_or_ends())
         course = Course::kinked;
@@ -198,6 +199,7 @@ class SmoothDrive {
   int capacity_;
   SmoothStep<Lanes, packs>& step_;
   int cells_ = 0, flagged_ = 0;
+  double rounding_ = 0.0;  // m, bound on that of an overlap at the beginning
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
@@ -284,7 +286,6 @@ class SmoothDrive {
     if (!overlaps_.has_room(flagged)) return -1.0;
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    const double tolerance = overlaps_.overlap_rounding(now.u);
     Real u[packs], rate[packs];
     motion.at(lanes_, 0.0, u, rate);
     const typename Overlaps<Lanes, packs>::StepBounds bounds_there{
@@ -294,13 +295,13 @@ class SmoothDrive {
         motion.most_slide_rate(),
         motion.change_of_slide_rate()};
     flagged_ = overlaps_.keep_close_at_points(
-        bounds_there, flagged_, tolerance, [&](int cell, double level) {
+        bounds_there, flagged_, rounding_, [&](int cell, double level) {
           const int point = step_.first_point_over(cell, level);
           return point > last_point ? 2.0 : step_.place(point - 1);
         });
     if (flagged_ == 0) return 3.0;
     if (!overlaps_.has_room(flagged_)) return -1.0;
-    return overlaps_.search_cells(motion, b.curvature, place, flagged_, tolerance, false);
+    return overlaps_.search_cells(motion, b.curvature, place, flagged_, rounding_, false);
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
@@ -335,7 +336,7 @@ class SmoothDrive {
     step_.works(weights, sliding, moving);
     int listed = flagged_;
     if (made > 0) {
-      listed = list_grazing(place, x, overlaps_.overlap_rounding(now.u));
+      listed = list_grazing(place, x, rounding_);
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }

@@ -168,7 +168,7 @@ TEST(Doubts, AMicrophoneThatHearsModesAtFalseFrequencies) {
   EXPECT_THAT(of("20e3"), Contains(HasSubstr("frequencies that are not theirs")));
 }
 
-TEST(Doubts, ASpacingTooWideForTheTolerance) {
+TEST(Doubts, CellsTooWideForTheModesShapes) {
   // beta of the highest mode is 193 / m: (beta 5e-4 m)^4/4! = 3.6e-6
   const auto with = [](const std::string& time) {
     return said("dang2012", {"scene.faces=smooth", "scene.spacing=1e-3", time,
@@ -179,8 +179,8 @@ TEST(Doubts, ASpacingTooWideForTheTolerance) {
   };
   EXPECT_THAT(adaptive("1e-8"),
               Contains(AllOf(HasSubstr("scene.spacing = 0.001 m"), HasSubstr("off by 4e-06"),
-                             HasSubstr("scene.spacing = 0.000395 it is 1e-07"))));
-  EXPECT_THAT(adaptive("1e-6"), Not(Contains(HasSubstr("cubic"))));
+                             HasSubstr("scene.spacing = 0.000222 it is 1e-08"))));
+  EXPECT_THAT(adaptive("1e-5"), Not(Contains(HasSubstr("cubic"))));
   EXPECT_THAT(with("time.step=1e-8"), Contains(HasSubstr("it is 1e-06")));
 }
 

@@ -43,7 +43,7 @@ TEST(Lanes, IndexCountsTheLanes) {
   for (int lane = 0; lane < width; ++lane) EXPECT_EQ(x[lane], lane);
 }
 
-TEST(Lanes, EverySumHasAFirstPackAndNoneWithoutModesBehindIt) {
+TEST(Lanes, PacksToGoThroughAreThoseWithModesAndAtLeastOne) {
   // sums over the modes begin with the first pack: without modes it has to be set, too
   EXPECT_EQ(filled<64>(HostLanes(0)), 1);
   EXPECT_EQ(filled<64>(HostLanes(1)), 1);
