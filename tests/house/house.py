@@ -7,6 +7,9 @@ usage: house.py SOURCE_FOLDER
 - Every folder of host/ stands above all that it includes, and so does every header of kernels/.
 - What reads and writes results (OF_FILES) stands without the device: it includes neither Kokkos nor
   kernels/ nor host/device, and no header that does.
+- Kokkos is reached by the sources of host/ that host/CMakeLists.txt gives to its compiler
+  (device_sources), by bench/chain.cpp and by the tests of KNOW_KOKKOS alone: in a build for CUDA no
+  other source finds it.
 - No two headers have one name: an include by its last word would find either.
 - No two types have one name: two structs of one name in two files are undefined behaviour (of those
   in unnamed namespaces, which are no harm, a reader would confuse them: `allowed` lists these).
@@ -25,12 +28,13 @@ HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "sce
 # but for what a scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
+KNOW_KOKKOS = ("bench/chain.cpp", "tests/install/", "tests/kernels/", "tests/ptx/", "tests/warp/")
 KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes",
            "displacement", "gap", "place",
            "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed",
            "adaptive", "march"]
 
-INCLUDE = re.compile(r'^\s*#include "((?:host|kernels)/[^"]+)"', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#include "((?:host|kernels|tests|bench)/[^"]+)"', re.MULTILINE)
 KOKKOS = re.compile(r"^\s*#include <(Kokkos_[^>]+)>", re.MULTILINE)
 TYPE = re.compile(r"^(?:template <.*>\s*)?(?:struct|class|enum(?: class)?) (\w+)(?: final)?(?: "
                   r"?:[^:;()][^;()]*)? \{", re.MULTILINE)
@@ -59,15 +63,14 @@ def named_types(text):
     return TYPE.findall(text)
 
 
-def path_to_device(path, includes):
-    """A chain of includes from a file to Kokkos, kernels/ or host/device; empty where there is
-    none."""
+def chain_to(ends, path, includes):
+    """A chain of includes from a file to one whose name begins with one of these; empty where there
+    is none."""
     chains, seen = [[path]], {path}
     while chains:
         chain = chains.pop(0)
         for included in includes.get(chain[-1], []):
-            if included.startswith(("Kokkos_", "kernels/",
-                                    "host/device/")) and included not in IN_SCENES:
+            if included.startswith(ends) and included not in IN_SCENES:
                 return chain + [included]
             if included not in seen:
                 seen.add(included)
@@ -75,13 +78,25 @@ def path_to_device(path, includes):
     return []
 
 
+def reach_kokkos(root, includes):
+    """Sources that no compiler of a build for CUDA could compile."""
+    listed = re.search(r"set\(device_sources ([^)]*)\)", (root / "host/CMakeLists.txt").read_text())
+    know = [f"host/{source}" for source in listed[1].split()]
+    for path in includes:
+        if path.endswith(".cpp") and path not in know and not path.startswith(KNOW_KOKKOS):
+            if chain := chain_to("Kokkos_", path, includes):
+                yield "what is compiled without Kokkos needs it: " + " includes ".join(chain)
+
+
 def faults(root):
     files = sorted(p for folder in ("host", "kernels") for p in (root / folder).rglob("*.?pp"))
     if len(files) < 50:
         yield f"{root}: only {len(files)} files of host/ and kernels/ were found"
     headers, types = collections.defaultdict(list), collections.defaultdict(list)
-    texts = {file.relative_to(root).as_posix(): file.read_text() for file in files}
+    others = [p for folder in ("tests", "bench") for p in (root / folder).rglob("*.?pp")]
+    texts = {file.relative_to(root).as_posix(): file.read_text() for file in files + others}
     includes = {path: INCLUDE.findall(text) + KOKKOS.findall(text) for path, text in texts.items()}
+    yield from reach_kokkos(root, includes)
     for file in files:
         path = file.relative_to(root).as_posix()
         text = texts[path]
@@ -89,7 +104,8 @@ def faults(root):
         if here is None:
             yield f"{path}: its folder is on no floor: name it in tests/house/house.py"
             continue
-        if here[0] == "host" and here[2] in OF_FILES and (chain := path_to_device(path, includes)):
+        if here[0] == "host" and here[2] in OF_FILES and (
+                chain := chain_to(("Kokkos_", "kernels/", "host/device/"), path, includes)):
             yield "what is made of files reaches the device: " + " includes ".join(chain)
         for included in INCLUDE.findall(text):
             there = floor_of(included)

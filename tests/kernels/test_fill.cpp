@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/model/bounds.hpp"
+#include "host/surface/spline.hpp"
 #include "kernels/adaptive/flight.hpp"
 #include "kernels/contact/node_contact.hpp"
 #include "kernels/group_sweep.hpp"
@@ -354,6 +355,29 @@ TEST(FilledProof, FacesCountAsHighAsTheyAre) {
   // added in.
   EXPECT_NEAR(face_rounding(1) / (5 * 0x1p-53), 6.4, 1e-12);
   EXPECT_EQ(f.t.faces.highest_overlap, -0.25);
+}
+
+/// The bound on what a cell exceeds both its nodes by is reached.
+TEST(FilledProof, TheSagOfACellIsReached) {
+  Scene s = test::plate_scene(3, 0.004, 0.004);
+  s.faces = Faces::smooth;
+  s.time = {SchemeKind::exact};
+  s.time.step = 1e-7;
+  s.gap = 0;
+  Model m = make_model(s);
+  // both faces parabolas of curvature -2: each stands 1/4 above its chord half way
+  for (int n = 0; n < m.nodes(); ++n) m.slider_height.edit()[n] = -1e-7 * std::pow(n - 50.5, 2);
+  m.slider_curvature = spline_curvatures(m.slider_height);
+  const Filled f(m);
+  const double summit = 0, ends = -1e-7 * 0.25;
+  EXPECT_GE(f.t.faces.sag1[50], summit - ends);
+  EXPECT_LT(0.9 * f.t.faces.sag1[50], summit - ends);
+  // a mode's, of a sine at its crest: its curvature over an eighth of a cell's square
+  const double beta = f.mode(2).shape->wave_number();
+  const double sag = 0.125 * std::pow(beta * s.spacing, 2);
+  EXPECT_NEAR(f.t.bounds.cell_sag[2], sag * f.mode(2).shape->largest(),
+              1e-6 * f.t.bounds.cell_sag[2]);
+  EXPECT_GE(f.t.faces.sag_per_travel, sag);
 }
 
 }  // namespace

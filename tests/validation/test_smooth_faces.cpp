@@ -11,7 +11,6 @@
 #include "host/surface/spline.hpp"
 #include "tests/compare.hpp"
 #include "tests/effort.hpp"
-#include "tests/filled.hpp"
 #include "tests/numbers.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
@@ -202,38 +201,6 @@ TEST(SmoothContact, CandidatesAreTheSameBitForBitAtAnySpacing) {
       EXPECT_TRUE(same(march(m, start, Nodes::all), some));
       EXPECT_GT(some.end.contact_steps, 0);
     }
-}
-
-/// The bound on what a cell exceeds both its nodes by is reached.
-TEST(SmoothContactProof, TheSagOfACellIsReached) {
-  Scene s = plate_scene(3, 0.004, 0.004);
-  s.faces = Faces::smooth;
-  s.time = {SchemeKind::exact};
-  s.time.step = 1e-7;
-  s.gap = 0;
-  Model m = make_model(s);
-  // both faces parabolas of curvature -2: each stands 1/4 above its chord half way
-  for (int n = 0; n < m.nodes(); ++n) m.slider_height.edit()[n] = -1e-7 * std::pow(n - 50.5, 2);
-  m.slider_curvature = spline_curvatures(m.slider_height);
-  const PatchSeries series = choose_series(m, width);
-  const Extents n = extents_of(m, series, packs * width, width, Capacity());
-  SceneTables t;
-  std::vector<std::vector<double>> arrays;
-  visit_arrays(t, n, [&](const char*, auto*& array, std::size_t count) {
-    using Value = std::remove_reference_t<decltype(*array)>;
-    arrays.emplace_back(count * sizeof(Value) / sizeof(double) + 1, 0.0);
-    array = reinterpret_cast<Value*>(arrays.back().data());
-  });
-  fill(t, m, series, n, HostCopy());
-  const double summit = 0, ends = -1e-7 * 0.25;
-  EXPECT_GE(t.faces.sag1[50], summit - ends);
-  EXPECT_LT(0.9 * t.faces.sag1[50], summit - ends);
-  // a mode's, of a sine at its crest: its curvature over an eighth of a cell's square
-  const double beta = m.resonator.modes[2].shape->wave_number();
-  EXPECT_NEAR(t.bounds.cell_sag[2],
-              0.125 * std::pow(beta * s.spacing, 2) * m.resonator.modes[2].shape->largest(),
-              1e-6 * t.bounds.cell_sag[2] + 1e-30);
-  EXPECT_GE(t.faces.sag_per_travel, 0.125 * std::pow(beta * s.spacing, 2));
 }
 
 }  // namespace

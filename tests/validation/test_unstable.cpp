@@ -8,7 +8,6 @@
 
 #include "host/scene/scene.hpp"
 #include "host/scene_file/scene_file.hpp"
-#include "kernels/fixed/fixed_recorder.hpp"
 #include "tests/compare.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
