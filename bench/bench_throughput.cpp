@@ -13,10 +13,10 @@
 // simulated in a second of all that it takes, making scenes ready included; `at_once`, scenes that
 // one launch marched.
 //
-// Predicted for an H200 (nothing of it was run): it marches 1056 scenes at a moment. A step is a
-// chain of some 1000 dependent operations of the adaptive scheme and of some 40 of a fixed step in
+// Predicted for an H200 before there was one: it marches 1056 scenes at a moment. A step is a chain
+// of some 1000 dependent operations of the adaptive scheme and of some 40 of a fixed step in
 // flight, four times as long each as on a core; so 1056/4 times one core, where memory and
-// divergence let it. 150 times is asked for with the adaptive scheme, 300 times with fixed steps.
+// divergence let it. What was measured, and why it is less: docs/gpu.md.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -12,6 +12,8 @@ purpose, and after a gain, so that it stays.
 
 Of a step: `ptx_instructions`, `loads` and
 `machine_instructions` that a warp issues (machine_code.py; `machine_error` is its share of error),
+`distinct_instructions`: those of PTX, each once, that are in a step of 16 scenes, if each makes a
+step of its own kind; a GPU waits for what it fetches (docs/gpu.md),
 `sums`: reductions over its lanes. `local_bytes`: a lane's local memory that the source asks for.
 `registers` of a thread and `spilled_bytes`, as ptxas says, with all the registers that there are.
 `counted`: steps. `in_contact`: the share of the time steps with a contact. ptxas and
@@ -28,7 +30,7 @@ import machine_code
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 KEPT = ROOT / "bench/device_counts.json"
-QUICK = ["ptx_instructions", "loads", "sums", "local_bytes"]
+QUICK = ["ptx_instructions", "distinct_instructions", "loads", "sums", "local_bytes"]
 MACHINE = ["machine_instructions", "registers", "spilled_bytes"]
 MARGIN = 1.03
 MOST_ERROR = 0.1

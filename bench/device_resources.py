@@ -4,13 +4,11 @@
 and shared memory, as ptxas says, and how many scenes, a warp each, are then in flight on a
 multiprocessor and on a card.
 
-usage: device_resources.py [--architecture sm_90] [--multiprocessors 132] [--registers N] [--only
-       TEXT] [--jobs N]
+usage: device_resources.py [--architecture sm_90] [--multiprocessors 132] [--only TEXT] [--jobs N]
                            [-o TABLE.csv] BUILD
 
 BUILD is a folder that was configured for CUDA; nothing in it has to be built. No GPU is needed.
---registers asks what would come of it if no thread had more; --only takes the sources whose names
-have TEXT in them:
+--only takes the sources whose names have TEXT in them:
 
     cmake --preset cuda && bench/device_resources.py build/cuda
 
@@ -34,15 +32,14 @@ WARP = 32
 REGISTERS, PIECE, BLOCKS = 65536, 256, 32
 
 
-def compile_march(entry, wrapper, architecture, registers):
+def compile_march(entry, wrapper, architecture):
     """What ptxas says of the marches of one source: {(form, packs): figures}."""
     words = shlex.split(entry["command"])
     words[0] = str(wrapper)
     words = [f"-arch={architecture}" if word.startswith("-arch=") else word for word in words]
     with tempfile.TemporaryDirectory() as folder:
         words[words.index("-o") + 1] = f"{folder}/march.o"
-        limit = [f"-maxrregcount={registers}"] if registers else []
-        done = subprocess.run([*words, *limit, "-Xptxas", "-v"], cwd=entry["directory"],
+        done = subprocess.run([*words, "-Xptxas", "-v"], cwd=entry["directory"],
                               capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"{entry['file']} does not compile:\n{done.stderr[-2000:]}")
@@ -73,7 +70,6 @@ def main():
     parser.add_argument("--architecture", default="sm_90")
     parser.add_argument("--multiprocessors", type=int, default=132,
                         help="of the card; an H100 or H200 has 132")
-    parser.add_argument("--registers", type=int)
     parser.add_argument("--only", default="")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("-o", "--output", type=pathlib.Path)
@@ -90,8 +86,7 @@ def main():
     wrapper = options.build.resolve() / "_deps/kokkos-src/bin/nvcc_wrapper"
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         marches = {}
-        for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture,
-                                                      options.registers), entries):
+        for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture), entries):
             marches.update(found)
 
     print(f"| march, {options.architecture} | modes | registers | stack, bytes | spilled, bytes | "

@@ -30,6 +30,10 @@
 ///   Syncs     One stands between a write and the reads of other lanes, and one between these reads
 ///             and the next write: a lane may be late. A condition counts as a read, too.
 ///   Sums      A reduction synchronizes the lanes, but orders no memory: it is no sync.
+///   Scenes    A GPU may march several scenes in a block, a warp each. They share nothing but the
+///             instructions that the multiprocessor fetches: `meet_scenes` waits until each of them
+///             has come to one, so that what they do next is fetched once for all. An answer never
+///             depends on it.
 namespace ra2d {
 
 /// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
@@ -120,6 +124,7 @@ struct HostLanes {
   }
   static constexpr bool leader() { return true; }
   static void sync() {}
+  static void meet_scenes() {}
   /// Has what stands there brought near, to be read soon.
   static void prefetch(const double* p) { __builtin_prefetch(p); }
 };
@@ -184,6 +189,8 @@ struct WarpLanes {
   }
   RA2D_FUNCTION bool leader() const { return lane == 0; }
   RA2D_FUNCTION static void prefetch(const double*) {}
+  /// Of the warps of the block that march on.
+  RA2D_FUNCTION void meet_scenes() const { KOKKOS_IF_ON_DEVICE((__syncthreads();)) }
   RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp();)) }
 
  private:

@@ -40,21 +40,30 @@ RA2D_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, Sc
   publish<Lanes, packs>(lanes, state.carried, state.out.now);
 }
 
-/// A launch on a GPU: scenes of one form, a team each, to their targets. Addresses of the device.
+/// A launch on a GPU: scenes of one form, a warp each, to their targets. Addresses of the device.
 template <class Space, Form form, int packs>
 struct March {
-  using Policy = Kokkos::TeamPolicy<Space>;
+  /// Scenes of a block. The instructions of `adaptive` do not fit in the caches of a multiprocessor
+  /// (docs/gpu.md), so its scenes keep step with one another (AdaptiveMarch::enter): as many as the
+  /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255.
+  static constexpr int most_in_block = form != Form::adaptive ? 1 : packs == 1 ? 16 : 8;
+  using Policy =
+      Kokkos::TeamPolicy<Space,
+                         Kokkos::LaunchBounds<most_in_block * LanesOf<Space>::vector_length, 1>>;
   using Member = typename Policy::member_type;
   using Lanes = typename LanesOf<Space>::template type<Member>;
 
   const SceneTables* tables;
   SceneState* states;
   const int* scenes;
+  int count;
   const std::int64_t* targets;
   double* seconds;  // out: what each took
 
   RA2D_FUNCTION void operator()(const Member& member) const {
-    const int scene = scenes[member.league_rank()];
+    const int i = member.league_rank() * member.team_size() + member.team_rank();
+    if (i >= count) return;
+    const int scene = scenes[i];
     const Lanes lanes(member);
     const std::uint64_t begin = nanoseconds();
     march_scene<Lanes, form, packs>(lanes, tables[scene], states[scene], targets[scene]);
@@ -62,9 +71,14 @@ struct March {
     if (lanes.leader())
       seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;
   }
-  void launch(const Space& space, int count) const {
-    Kokkos::parallel_for("ra2d::march", Policy(space, count, 1, LanesOf<Space>::vector_length),
-                         *this);
+  /// Before a block has more scenes than one, each multiprocessor has a block.
+  void launch(const Space& space, int multiprocessors) const {
+    const int each = (count + multiprocessors - 1) / multiprocessors;
+    const int in_block = each < most_in_block ? each : most_in_block;
+    Kokkos::parallel_for(
+        "ra2d::march",
+        Policy(space, (count + in_block - 1) / in_block, in_block, LanesOf<Space>::vector_length),
+        *this);
   }
 
  private:

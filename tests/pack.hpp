@@ -117,6 +117,7 @@ struct PackLanes {
   static constexpr bool leader() { return true; }
   static void prefetch(const double*) {}
   static void sync() {}
+  static void meet_scenes() {}
 
  private:
   static std::array<double, width / 2> neighbours(const Real& x) {

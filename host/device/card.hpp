@@ -19,7 +19,9 @@ void begin();
 std::string name();
 /// Bytes that are free now; 0 where nobody can say.
 std::size_t free_memory();
-/// Scenes, a team each, that it marches at one moment.
+/// Processors with caches of their own that it has; 1 where nobody can say.
+int multiprocessors();
+/// Scenes, a warp each, that it marches at one moment.
 int scenes_at_once();
 /// Returns when all work of an instance is done, without a core of the host in the meantime if it
 /// can. Throws std::runtime_error with what the driver says.

@@ -67,11 +67,12 @@ std::size_t free_memory() {
   return cudaMemGetInfo(&free, &all) == cudaSuccess ? free : 0;
 }
 
-/// A march takes all registers that a thread can have (docs/gpu.md), and each scene is a warp.
+int multiprocessors() { return properties().multiProcessorCount; }
+
+/// Most marches take all registers that a thread can have (docs/gpu.md), and each scene is a warp.
 int scenes_at_once() {
   constexpr int registers = 256 * LanesOf<Kokkos::Cuda>::width;
-  return properties().multiProcessorCount *
-         std::max(1, properties().regsPerMultiprocessor / registers);
+  return multiprocessors() * std::max(1, properties().regsPerMultiprocessor / registers);
 }
 
 void wait(const Space& instance) {

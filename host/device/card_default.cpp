@@ -26,6 +26,8 @@ std::string name() {
 
 std::size_t free_memory() { return 0; }
 
+int multiprocessors() { return 1; }
+
 int scenes_at_once() { return std::max(1, Space().concurrency() / LanesOf<Space>::vector_length); }
 
 void wait(const Space& instance) { instance.fence("ra2d: wait"); }

@@ -22,6 +22,7 @@ struct ScenesToMarch {
   SceneState* states = nullptr;
   const std::int64_t* targets = nullptr;
   double* seconds = nullptr;  // out: what each took
+  int multiprocessors = 1;    // that the device has
 };
 
 /// Work that a device does in the order in which it was given; several queues work side by side.

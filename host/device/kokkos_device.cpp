@@ -63,7 +63,9 @@ class KokkosQueue : public DeviceQueue {
     require_no_fault(*instance_);
     static std::mutex one_at_a_time;  // what Kokkos knows of a kernel it writes down without a lock
     const std::lock_guard lock(one_at_a_time);
-    launch_march(*instance_, scenes);
+    ScenesToMarch here = scenes;
+    here.multiprocessors = card::multiprocessors();
+    launch_march(*instance_, here);
     // Kokkos does not ask. Memory that a launch lacks is none that fewer scenes would leave.
     require_no_fault(*instance_);
   }

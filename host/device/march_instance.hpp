@@ -8,7 +8,8 @@ namespace ra2d {
 #if defined(KOKKOS_ENABLE_CUDA)
 template <Form form, int K>
 void march_listed(const Space& space, const ScenesToMarch& l) {
-  March<Space, form, K>{l.tables, l.states, l.scenes, l.targets, l.seconds}.launch(space, l.count);
+  March<Space, form, K>{l.tables, l.states, l.scenes, l.count, l.targets, l.seconds}.launch(
+      space, l.multiprocessors);
 }
 /// Compiles the march of one form for the i-th number of packs.
 #define RA2D_MARCH(form, i) \

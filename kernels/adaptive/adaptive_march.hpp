@@ -142,6 +142,7 @@ class AdaptiveMarch {
   AdaptiveRecorder<Lanes, packs> recorder_;
   std::int64_t tick_;
   Modes now_;
+  int met_ = next_step;  // the phase that was begun last
 
   RA2D_FUNCTION NodeContact<Lanes, packs> node_contact() const {
     return {lanes_,         tables_.motion,  tables_.faces,
@@ -171,8 +172,17 @@ class AdaptiveMarch {
                                                : tables_.output.total_steps;
   }
 
+  /// Parts of a step that the scenes of a block begin together, whatever kinds of step they make.
+  /// One that a step does without is passed with the next.
+  enum Phase { search = 1, evaluate_end, onsets, record, next_step };
+  KOKKOS_FORCEINLINE_FUNCTION void enter(Phase phase) {
+    for (; met_ < phase; ++met_) lanes_.meet_scenes();
+  }
+
   /// One step. False when it could not be made, or is to be made in the next launch.
   KOKKOS_FORCEINLINE_FUNCTION bool advance() {
+    enter(next_step);
+    met_ = 0;
     const Place place = path_.at(tick_);
     const bool free = state_.carried.contacts.count == 0 && tables_.forces.count == 0;
     std::int64_t available =
@@ -180,7 +190,7 @@ class AdaptiveMarch {
     if (end() - tick_ < available) available = end() - tick_;
     if (tables_.faces.smooth && state_.carried.contacts.count > 0) [[unlikely]] {
       if (!drive_on_smooth_faces(place, available)) return false;
-    } else if (!(free ? fly(place, available) : drive(place, available))) {
+    } else if (!fly_or_drive(place, available, free)) {
       return false;
     }
     if (lanes_.leader()) ++state_.carried.adaptive_steps;
@@ -228,38 +238,21 @@ class AdaptiveMarch {
     return {available, false, false};
   }
 
-  RA2D_FUNCTION bool fly(const Place& place, std::int64_t available) {
-    const FlightPlan plan = plan_flight(available);
-    const int longer = plan.whole && state_.carried.control.flight_level < longest_level
-                           ? state_.carried.control.flight_level + 1
-                           : state_.carried.control.flight_level;
-    if (plan.clear) {
-      if (!end_flight(plan.ticks, flown(plan.ticks), longer)) return false;
-      overlaps_.forget_start();
-      return true;
-    }
-    const MotionBounds bounds =
-        flight_.bounds(now_.u, now_.v, plan.ticks * tables_.motion.time_step);
-    const double rise = overlaps_.longest_rise(now_.u, bounds, plan.ticks);
-    overlaps_.find_groups(place, now_, bounds, rise, available - plan.ticks);
-    overlaps_.select(now_.u, bounds, rise);
-    overlaps_.evaluate_start(place, now_);
-    if (!(bounds.size < 1e300)) return fail(Status::not_finite);
-    Modes end = flown(plan.ticks);
-    const int flagged = evaluate_and_flag(place, end, plan.ticks, bounds, rise);
-    if (!overlaps_.has_room(flagged)) [[unlikely]]
-      return fail(Status::crowded);
-    if (flagged > 0) return fly_and_search(place, end, plan.ticks, bounds, rise, flagged);
-    if (!end_flight(plan.ticks, end, longer)) return false;
-    keep_overlaps(place);
+  /// Records a flight of so many ticks and goes to its end. False when its samples do not fit.
+  RA2D_FUNCTION bool record_flight(std::int64_t ticks, const Modes& there) {
+    if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
+    now_.take(lanes_, there);
+    if (ticks > 0) recorder_.add_flight(tick_);
+    tick_ += ticks;
     return true;
   }
 
-  /// A flight for which the cubics cannot rule out contact at the flagged nodes: the series of
-  /// their overlaps are searched, over no longer than these hold.
-  RA2D_FUNCTION bool fly_and_search(const Place& place, Modes& end, std::int64_t aimed,
-                                    const MotionBounds& bounds, double rise, int flagged) {
-    std::int64_t ticks = aimed;
+  /// For a flight for which the cubics cannot rule out contact: the series of the motion, and with
+  /// it a length `ticks`, no longer than it and the nodes' shapes in it hold, and the level of the
+  /// next flight. False where there is none.
+  RA2D_FUNCTION bool expand_flight(const Place& place, const MotionBounds& bounds,
+                                   std::int64_t& ticks, int& level) {
+    const std::int64_t aimed = ticks;
     const double scale =
         Kokkos::min(ticks * tables_.motion.time_step, tables_.adaptive.longest_scale);
     series_.expand(now_.u, now_.v, place, scale);
@@ -269,65 +262,13 @@ class AdaptiveMarch {
     if (usable < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(usable);
     if (ticks < 1) return fail(Status::stalled);
     // a length at which the cubics may decide by themselves
-    int level = state_.carried.control.flight_level;
+    level = state_.carried.control.flight_level;
     if (overlaps_.shorter_is_better(aimed * tables_.motion.time_step, bounds))
       level =
           Kokkos::max(ticks < aimed ? whole_level(ticks) : level - 1, tables_.flight.first_level);
     // the nodes' shapes in the series hold for a window
     const std::int64_t window = path_.ticks_to_next_window(place);
     if (window < ticks) ticks = window;
-    if (ticks < aimed) {  // over a shorter flight the cubics are more accurate
-      end.take(lanes_, flown(ticks));
-      flagged = evaluate_and_flag(place, end, ticks, bounds, rise);
-      if (!overlaps_.has_room(flagged)) [[unlikely]]
-        return fail(Status::crowded);
-    }
-    if (flagged > 0) {
-      const double x = series_.x_at(ticks);
-      const double first =
-          overlaps_.search(series_, place, flagged, x, overlaps_.overlap_rounding(now_.u));
-      if (first < 0.0) [[unlikely]]
-        return fail(Status::crowded);
-      if (first <= x) return end_flight_in_contact(series_.ticks_to(first, ticks), flagged);
-    }
-    if (!end_flight(ticks, end, level)) return false;
-    keep_overlaps(place);
-    return true;
-  }
-
-  /// Ends a flight in contact at those of the flagged nodes whose contact begins by then.
-  RA2D_FUNCTION bool end_flight_in_contact(std::int64_t ticks, int flagged) {
-    const double x = series_.x_at(ticks);
-    if (!contacts_.can_take(flagged, x)) return fail(Status::crowded);
-    if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
-    Modes end = flown(ticks);
-    series_.state(x, end.u, end.v);  // to the bit where the search found the overlap
-    now_.take(lanes_, end);
-    if (ticks > 0) recorder_.add_flight(tick_);
-    tick_ += ticks;
-    overlaps_.discard_start();
-    contacts_.begin(flagged, x);
-    begin_smooth_contact();
-    return true;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION void begin_smooth_contact() {
-    if (!tables_.faces.smooth) [[likely]]
-      return;
-    if (lanes_.leader()) {
-      state_.carried.control.contact_begins = true;
-      state_.carried.begin.knows_forces = state_.carried.begin.knows_rates = false;
-    }
-    lanes_.sync();
-  }
-
-  /// Ends a flight without contact; the next one is planned for 2^level ticks.
-  RA2D_FUNCTION bool end_flight(std::int64_t ticks, const Modes& end, int level) {
-    if (!recorder_.fly_samples(tick_, now_, ticks)) return false;
-    now_.take(lanes_, end);
-    recorder_.add_flight(tick_);
-    tick_ += ticks;
-    if (lanes_.leader()) state_.carried.control.flight_level = level;
-    lanes_.sync();
     return true;
   }
 
@@ -343,64 +284,6 @@ class AdaptiveMarch {
   }
 
   // ---- drive
-
-  KOKKOS_FORCEINLINE_FUNCTION bool drive(const Place& place, std::int64_t available) {
-    double usable_time;  // s
-    if (!expand(place, available, usable_time)) return false;
-    const double longest = usable_time / tables_.motion.time_step;
-    std::int64_t ticks =
-        longest < static_cast<double>(available) ? static_cast<std::int64_t>(longest) : available;
-    double end = series_.x_at(ticks);
-
-    // contacts that end
-    const double tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
-    const double release = contacts_.first_end(series_, end, tolerance);
-    if (release <= end) {
-      ticks = series_.ticks_to(release, ticks);
-      end = series_.x_at(ticks);
-    }
-    // contacts that begin
-    const MotionBounds bounds = series_.bounds(end);
-    const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
-    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
-    overlaps_.select(now_.u, bounds, rise);
-    overlaps_.evaluate_start(place, now_);
-    Modes there;
-    series_.state(end, there.u, there.v);
-    const int flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
-    if (!overlaps_.has_room(flagged)) [[unlikely]]
-      return fail(Status::crowded);
-    bool onset = false;
-    if (flagged > 0) {
-      const double first = overlaps_.search(series_, place, flagged, end, tolerance);
-      if (first < 0.0) [[unlikely]]
-        return fail(Status::crowded);
-      onset = first <= end;
-      if (onset) {
-        ticks = series_.ticks_to(first, ticks);
-        end = series_.x_at(ticks);
-        if (!contacts_.can_take(flagged, end)) return fail(Status::crowded);
-        series_.state(end, there.u, there.v);
-      }
-    }
-
-    if (!keep_drive(place, there, ticks, end)) return false;
-    if (release <= end) contacts_.end(end);
-    if (onset) {
-      contacts_.begin(flagged, end);
-      begin_smooth_contact();
-    }
-    // without the limit it would grow for ever at rest
-    if (lanes_.leader())
-      state_.carried.control.series_scale =
-          Kokkos::min(usable_time, tables_.adaptive.longest_scale);
-    lanes_.sync();
-    if (onset)
-      overlaps_.discard_start();
-    else
-      keep_overlaps(place);
-    return true;
-  }
 
   /// Records a step of so many ticks and goes to its end. False when its samples do not fit.
   KOKKOS_FORCEINLINE_FUNCTION bool keep_drive(const Place& place, Modes& there, std::int64_t ticks,
@@ -440,6 +323,119 @@ class AdaptiveMarch {
     }
   }
 
+  // ---- fly or drive
+
+  /// One step of either kind. Contacts that begin within it are looked for in the same way, and by
+  /// the same code: what a GPU has to fetch is what it waits for (docs/gpu.md).
+  KOKKOS_FORCEINLINE_FUNCTION bool fly_or_drive(const Place& place, std::int64_t available,
+                                                bool free) {
+    MotionBounds bounds;
+    std::int64_t ticks;
+    double usable_time = 0.0;         // s: of the series
+    double end = 0.0, release = 0.0;  // x of the series: of the step, and where a contact ends
+    double tolerance = 0.0;           // of an overlap in it
+    int level = 0;                    // of the next flight
+    if (free) {
+      const FlightPlan plan = plan_flight(available);
+      level = state_.carried.control.flight_level;
+      if (plan.whole && level < longest_level) ++level;
+      ticks = plan.ticks;
+      if (plan.clear) {
+        if (!record_flight(ticks, flown(ticks))) return false;
+        if (lanes_.leader()) state_.carried.control.flight_level = level;
+        lanes_.sync();
+        overlaps_.forget_start();
+        return true;
+      }
+      bounds = flight_.bounds(now_.u, now_.v, ticks * tables_.motion.time_step);
+    } else {
+      if (!expand(place, available, usable_time)) return false;
+      const double longest = usable_time / tables_.motion.time_step;
+      ticks =
+          longest < static_cast<double>(available) ? static_cast<std::int64_t>(longest) : available;
+      end = series_.x_at(ticks);
+      // contacts that end
+      tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
+      release = contacts_.first_end(series_, end, tolerance);
+      if (release <= end) {
+        ticks = series_.ticks_to(release, ticks);
+        end = series_.x_at(ticks);
+      }
+      bounds = series_.bounds(end);
+    }
+
+    // contacts that begin
+    enter(search);
+    const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
+    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
+    overlaps_.select(now_.u, bounds, rise);
+    overlaps_.evaluate_start(place, now_);
+    if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
+    Modes there;
+    int flagged = 0;
+    bool in_series = !free;  // whether the motion is known as one
+    while (true) {
+      if (free)
+        there.take(lanes_, flown(ticks));
+      else
+        series_.state(end, there.u, there.v);
+      enter(evaluate_end);
+      flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
+      if (!overlaps_.has_room(flagged)) [[unlikely]]
+        return fail(Status::crowded);
+      if (flagged == 0 || in_series) break;
+      const std::int64_t aimed = ticks;
+      if (!expand_flight(place, bounds, ticks, level)) return false;
+      in_series = true;
+      if (ticks == aimed) break;  // over a shorter flight the cubics are more accurate
+    }
+    enter(onsets);
+    bool onset = false;
+    if (flagged > 0) {
+      if (free) {
+        end = series_.x_at(ticks);
+        tolerance = overlaps_.overlap_rounding(now_.u);
+      }
+      const double first = overlaps_.search(series_, place, flagged, end, tolerance);
+      if (first < 0.0) [[unlikely]]
+        return fail(Status::crowded);
+      onset = first <= end;
+      if (onset) {
+        ticks = series_.ticks_to(first, ticks);
+        end = series_.x_at(ticks);
+        if (!contacts_.can_take(flagged, end)) return fail(Status::crowded);
+        if (free) there.take(lanes_, flown(ticks));
+        series_.state(end, there.u, there.v);  // to the bit where the search found the overlap
+      }
+    }
+
+    enter(record);
+    if (free) {
+      if (!record_flight(ticks, there)) return false;
+    } else if (!keep_drive(place, there, ticks, end)) {
+      return false;
+    }
+    if (!free && release <= end) contacts_.end(end);
+    if (onset) {
+      contacts_.begin(flagged, end);
+      begin_smooth_contact();
+    }
+    if (lanes_.leader()) {
+      // without the limit it would grow for ever at rest
+      if (!free)
+        state_.carried.control.series_scale =
+            Kokkos::min(usable_time, tables_.adaptive.longest_scale);
+      else if (!onset)
+        state_.carried.control.flight_level = level;
+    }
+    lanes_.sync();
+    if (onset)
+      overlaps_.discard_start();
+    else
+      keep_overlaps(place);
+    return true;
+  }
+
   /// A step in contact between smooth faces.
   RA2D_FUNCTION bool drive_on_smooth_faces(const Place& place, std::int64_t available) {
     using Drive = SmoothDrive<Lanes, packs>;
@@ -469,7 +465,17 @@ class AdaptiveMarch {
     return fail(Status::stalled);
   }
 
-  // ---- both
+  // ---- all
+
+  KOKKOS_FORCEINLINE_FUNCTION void begin_smooth_contact() {
+    if (!tables_.faces.smooth) [[likely]]
+      return;
+    if (lanes_.leader()) {
+      state_.carried.control.contact_begins = true;
+      state_.carried.begin.knows_forces = state_.carried.begin.knows_rates = false;
+    }
+    lanes_.sync();
+  }
 
   /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
   /// into contact within it. Those at its beginning have been found.

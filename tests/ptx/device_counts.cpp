@@ -4,6 +4,7 @@
 // LINES_FOLDER how often each line of the PTX was issued, too, as NAME.lines, "LINE TIMES" each.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -47,6 +48,7 @@ std::span<const Stretch> stretches() {
   return plane_stretches;
 }
 constexpr double areal_step = 1e-7;  // s
+constexpr int scenes_in_step = 16;   // of a block (kernels/march.hpp)
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {
@@ -83,10 +85,11 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   std::ofstream lines;
   if (lines_folder != nullptr)
     lines.open(std::filesystem::path(lines_folder) / (std::string(stretch.name) + ".lines"));
-  double all = 0, loads = 0;
+  double all = 0, loads = 0, distinct = 0;
   for (std::size_t k = 0; k < warp.counts().size(); ++k) {
     const auto times = static_cast<double>(warp.counts()[k]);
     all += times;
+    distinct += 1.0 - std::pow(1.0 - std::min(1.0, times / steps), scenes_in_step);
     if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
     if (lines.is_open()) lines << program.instructions()[k].line << ' ' << warp.counts()[k] << '\n';
   }
@@ -98,6 +101,7 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
       {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) /
                          static_cast<double>(carried.step - ticks)},
       {"ptx_instructions", all / steps},
+      {"distinct_instructions", distinct},
       {"loads", loads / steps},
       {"sums", static_cast<double>(warp.reductions()) / steps},
       {"local_bytes", program.local_bytes()}};

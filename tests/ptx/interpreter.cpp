@@ -48,7 +48,8 @@ void PtxWarp::fault(const Instruction& instruction, const std::string& problem) 
 bool PtxWarp::is_meeting(std::size_t index) const {
   if (index == ignored_) return false;
   const Kind kind = program_.instructions()[index].kind;
-  return kind == Kind::sync || kind == Kind::exchange || kind == Kind::ballot;
+  return kind == Kind::sync || kind == Kind::block_sync || kind == Kind::exchange ||
+         kind == Kind::ballot;
 }
 
 void PtxWarp::run(const std::vector<std::uint64_t>& parameters) {
@@ -149,6 +150,7 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
         alive_ &= ~lanes;
         return;
       case Kind::sync:
+      case Kind::block_sync:
       case Kind::exchange:
       case Kind::ballot:
         if (at == ignored_) {
@@ -165,7 +167,8 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
   }
 }
 
-/// A sync or an exchange of all lanes.
+/// A sync or an exchange of all lanes. The warp is alone in its block, so a sync of the block waits
+/// for no other; to be found, a sync of the lanes that lacks must not be made up for by it.
 void PtxWarp::meet() {
   const std::size_t at = at_[0];
   const Instruction& i = program_.instructions()[at];
@@ -177,6 +180,7 @@ void PtxWarp::meet() {
       throw WarpFault(fmt::format("lane 0 is to meet the others at {}, lane {} at {}",
                                   program_.place(i), lane,
                                   program_.place(program_.instructions()[other])));
+    if (i.kind == Kind::block_sync) continue;
     if (i.guard >= 0 ||
         static_cast<std::uint32_t>(
             registers_[static_cast<std::size_t>(i.operand[3])][static_cast<std::size_t>(lane)]) !=
@@ -188,7 +192,7 @@ void PtxWarp::meet() {
     exchange(i);
   else if (i.kind == Kind::ballot)
     ballot(i);
-  else
+  else if (i.kind == Kind::sync)
     memory_.sync();
   for (std::size_t& of_lane : at_) ++of_lane;
 }

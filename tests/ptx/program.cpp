@@ -82,8 +82,8 @@ class Program::Parser {
     if (pending_.empty()) begun_ = number_;
     if (begins(line, ".loc ") || begins(line, ".loc\t")) return read_location(line);
     if (begins(line, ".file")) return read_file(line);
-    if (begins(line, ".version") || begins(line, ".target") || begins(line, ".address_size"))
-      return;
+    for (const char* word : {".version", ".target", ".address_size", ".maxntid", ".minnctapersm"})
+      if (begins(line, word)) return;
     pending_ += (pending_.empty() ? "" : " ") + line;
     while (!pending_.empty() && take_statement()) pending_ = trimmed(pending_);
   }
@@ -186,6 +186,9 @@ class Program::Parser {
       i.kind = Kind::sync;
       expect(operands.size() == 1);
       i.operand[3] = operand(operands[0]);
+    } else if (i.opcode == "bar.sync") {
+      i.kind = Kind::block_sync;
+      expect(operands.size() == 1 && operands[0] == "0" && i.guard < 0);
     } else if (begins(i.opcode, "shfl.sync.")) {
       i.kind = Kind::exchange;
       i.exchange = i.opcode == "shfl.sync.bfly.b32"   ? Instruction::Exchange::butterfly

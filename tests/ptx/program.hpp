@@ -28,7 +28,18 @@ struct Instruction;
 using Compute = void (*)(LaneBits* registers, const Instruction& instruction, std::uint32_t mask);
 
 struct Instruction {
-  enum class Kind { value, load, store, compare_and_swap, branch, end, sync, exchange, ballot };
+  enum class Kind {
+    value,
+    load,
+    store,
+    compare_and_swap,
+    branch,
+    end,
+    sync,
+    block_sync,
+    exchange,
+    ballot
+  };
   enum class Exchange { none, butterfly, down, index };
 
   Kind kind = Kind::value;

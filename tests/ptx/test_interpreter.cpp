@@ -229,10 +229,12 @@ $L__BB0_1:
       ASSERT_THAT(program.syncs(), SizeIs(1));
       EXPECT_THAT(run(body, order, program.syncs()[0]).races, SizeIs(1));
     }
-    // two writers, and a shuffle, which orders no memory
+    // two writers; a shuffle, which orders no memory; a block's sync, which is to be relied on by
+    // nobody
     EXPECT_THAT(run("st.global.f64 [%rd1], 0d0000000000000000;", order).races, SizeIs(1));
     EXPECT_THAT(run(writes + "shfl.sync.idx.b32 %r5|%p5, %r1, 7, 31, -1;\n" + reads, order).races,
                 SizeIs(1));
+    EXPECT_THAT(run(writes + "bar.sync 0;\n" + reads, order).races, SizeIs(1));
   }
 }
 
@@ -280,6 +282,8 @@ $L__BB0_1:
   for (const Order order : orders) {
     EXPECT_THAT(said_of(parted, order), HasSubstr("is to meet the others at line"));
     EXPECT_THAT(said_of(one_ended, order), HasSubstr("has ended, and others are to meet"));
+    EXPECT_THAT(said_of("@%p1 bra $L__BB0_1;\n bar.sync 0;\n$L__BB0_1:", order),
+                HasSubstr("is to meet the others at line"));
     EXPECT_THAT(said_of("bar.warp.sync 1;", order), HasSubstr("a meeting of some lanes alone"));
   }
 }

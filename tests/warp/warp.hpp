@@ -85,6 +85,7 @@ struct FiberLanes {
   }
   bool leader() const { return lane == 0; }
   static void prefetch(const double*) {}
+  static void meet_scenes() {}
   void sync(const Where& where = Where::current()) const {
     warp.meet(lane, Warp::Meeting::sync, where);
   }
