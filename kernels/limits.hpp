@@ -11,4 +11,9 @@ inline constexpr int most_modes = 256;
 /// energy.
 inline constexpr int longest_flight = 4096;
 
+/// Energy may exceed what was put in by this factor before the run counts as unstable. The contact
+/// energy of a scheme near its limit oscillates by a factor of a few; beyond the limit it grows
+/// without bound.
+inline constexpr double energy_factor = 10.0;
+
 }  // namespace ra2d

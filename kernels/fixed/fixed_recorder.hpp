@@ -10,17 +10,13 @@
 #include "kernels/fixed/outer_forces.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
+#include "kernels/limits.hpp"
 #include "kernels/place.hpp"
 #include "kernels/shocks.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
 namespace ra2d {
-
-/// Energy may exceed what was put in by this factor before the run counts as unstable. The contact
-/// energy of a scheme near its limit oscillates by a factor of a few; beyond the limit it grows
-/// without bound.
-inline constexpr double energy_factor = 10.0;
 
 /// The record of fixed steps: samples, sums, shocks, and the check of the energy.
 ///

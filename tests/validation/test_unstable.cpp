@@ -8,6 +8,7 @@
 
 #include "host/scene/scene.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "kernels/limits.hpp"
 #include "tests/compare.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
