@@ -283,7 +283,7 @@ $L__BB0_1:
     EXPECT_THAT(said_of(parted, order), HasSubstr("is to meet the others at line"));
     EXPECT_THAT(said_of(one_ended, order), HasSubstr("has ended, and others are to meet"));
     EXPECT_THAT(said_of("@%p1 bra $L__BB0_1;\n bar.sync 0;\n$L__BB0_1:", order),
-                HasSubstr("is to meet the others at line"));
+                HasSubstr("has ended, and others are to meet"));
     EXPECT_THAT(said_of("bar.warp.sync 1;", order), HasSubstr("a meeting of some lanes alone"));
   }
 }
