@@ -12,10 +12,10 @@ purpose, and after a gain, so that it stays.
 
 Of a step: `ptx_instructions`, `loads` and
 `machine_instructions` that a warp issues (machine_code.py; `machine_error` is its share of error),
-`distinct_instructions`: those of PTX, each once, that are in a step of 16 scenes, if each makes a
-step of its own kind; a GPU waits for what it fetches (docs/gpu.md),
+`distinct_instructions`: how many different ones of PTX are in 16 steps drawn at random. That is
+what 16 scenes that keep step make a GPU fetch, and `adaptive` waits for it (docs/gpu.md).
 `sums`: reductions over its lanes. `local_bytes`: a lane's local memory that the source asks for.
-`registers` of a thread and `spilled_bytes`, as ptxas says, with all the registers that there are.
+`registers` of a thread and `spilled_bytes`, as ptxas says, with the launch bounds of the march.
 `counted`: steps. `in_contact`: the share of the time steps with a contact. ptxas and
 readelf must be on the path. Standard library only.
 """

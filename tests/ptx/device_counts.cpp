@@ -48,7 +48,7 @@ std::span<const Stretch> stretches() {
   return plane_stretches;
 }
 constexpr double areal_step = 1e-7;  // s
-constexpr int scenes_in_step = 16;   // of a block (kernels/march.hpp)
+constexpr int scenes_in_step = 16;   // in a block of `adaptive` (kernels/march.hpp)
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {

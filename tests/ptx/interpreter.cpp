@@ -168,7 +168,8 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
 }
 
 /// A sync or an exchange of all lanes. The warp is alone in its block, so a sync of the block waits
-/// for no other; to be found, a sync of the lanes that lacks must not be made up for by it.
+/// for no other warp. It orders no memory here: else it would hide that a sync of the lanes is
+/// missing.
 void PtxWarp::meet() {
   const std::size_t at = at_[0];
   const Instruction& i = program_.instructions()[at];

@@ -229,8 +229,7 @@ $L__BB0_1:
       ASSERT_THAT(program.syncs(), SizeIs(1));
       EXPECT_THAT(run(body, order, program.syncs()[0]).races, SizeIs(1));
     }
-    // two writers; a shuffle, which orders no memory; a block's sync, which is to be relied on by
-    // nobody
+    // two writers; a shuffle, and a block's sync, which are taken to order no memory
     EXPECT_THAT(run("st.global.f64 [%rd1], 0d0000000000000000;", order).races, SizeIs(1));
     EXPECT_THAT(run(writes + "shfl.sync.idx.b32 %r5|%p5, %r1, 7, 31, -1;\n" + reads, order).races,
                 SizeIs(1));
