@@ -34,6 +34,9 @@
 ///             instructions that the multiprocessor fetches: `meet_scenes` waits until each of them
 ///             has come to one, so that what they do next is fetched once for all. An answer never
 ///             depends on it.
+///   Time      On a GPU each scene of a launch has the same time, and `time_is_up` says when it is
+///             over: else all would wait for the one with most to do. An answer never depends on
+///             where a launch ends.
 namespace ra2d {
 
 /// Lanes of a CPU thread: the SIMD register of the instruction set that Kokkos was built for.
@@ -125,6 +128,7 @@ struct HostLanes {
   static constexpr bool leader() { return true; }
   static void sync() {}
   static void meet_scenes() {}
+  static constexpr bool time_is_up() { return false; }
   /// Has what stands there brought near, to be read soon.
   static void prefetch(const double* p) { __builtin_prefetch(p); }
 };
@@ -139,8 +143,10 @@ struct WarpLanes {
   static constexpr int width = 32;
 
   int lane = 0;
+  std::uint64_t end = 0;  // ns of nanoseconds()
 
-  RA2D_FUNCTION explicit WarpLanes(const Member&) {
+  /// For a march that is to end by then.
+  RA2D_FUNCTION WarpLanes(const Member&, std::uint64_t end_) : end{end_} {
     KOKKOS_IF_ON_DEVICE((lane = static_cast<int>(threadIdx.x);))
   }
   RA2D_FUNCTION Real load(const double* p) const { return p[lane]; }
@@ -192,6 +198,18 @@ struct WarpLanes {
   /// Of the warps of the block that march on.
   RA2D_FUNCTION void meet_scenes() const { KOKKOS_IF_ON_DEVICE((__syncthreads();)) }
   RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp();)) }
+  RA2D_FUNCTION bool time_is_up() const {
+    KOKKOS_IF_ON_DEVICE((return __ballot_sync(all, end <= nanoseconds()) != 0;))
+    KOKKOS_IF_ON_HOST((return false;))
+  }
+  /// The GPU's clock.
+  RA2D_FUNCTION static std::uint64_t nanoseconds() {
+    std::uint64_t now = 0;
+#if defined(__CUDA_ARCH__)
+    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now)::"memory");
+#endif
+    return now;
+  }
 
  private:
   static constexpr std::uint32_t all = 0xFFFFFFFF;

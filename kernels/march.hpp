@@ -29,7 +29,8 @@ RA2D_FUNCTION void publish(const Lanes& lanes, const CarriedState& carried, Carr
     for (int i = 0; i < carried.shocks.open_count; ++i) now.open[i] = carried.shocks.open[i];
 }
 
-/// Marches one scene to step `target`, its end, a full buffer, an interrupt or a failure.
+/// Marches one scene to step `target`, its end, the end of the time, a full buffer, an interrupt or
+/// a failure.
 template <class Lanes, Form form, int packs>
 RA2D_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, SceneState& state,
                                std::int64_t target) {
@@ -47,9 +48,11 @@ struct March {
   /// (docs/gpu.md), so its scenes keep step with one another (AdaptiveMarch::enter): as many as the
   /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255.
   static constexpr int most_in_block = form != Form::adaptive ? 1 : packs == 1 ? 16 : 8;
-  using Policy =
-      Kokkos::TeamPolicy<Space,
-                         Kokkos::LaunchBounds<most_in_block * LanesOf<Space>::vector_length, 1>>;
+  /// Blocks that a multiprocessor has room for. Twelve leave 168 registers to a thread: of what was
+  /// measured on a card the fastest (docs/gpu.md).
+  static constexpr int least_blocks = form == Form::semi_implicit && packs == 1 ? 12 : 1;
+  using Policy = Kokkos::TeamPolicy<
+      Space, Kokkos::LaunchBounds<most_in_block * LanesOf<Space>::vector_length, least_blocks>>;
   using Member = typename Policy::member_type;
   using Lanes = typename LanesOf<Space>::template type<Member>;
 
@@ -58,16 +61,17 @@ struct March {
   const int* scenes;
   int count;
   const std::int64_t* targets;
-  double* seconds;  // out: what each took
+  std::uint64_t most;  // ns: what each may take
+  double* seconds;     // out: what each took
 
   RA2D_FUNCTION void operator()(const Member& member) const {
     const int i = member.league_rank() * member.team_size() + member.team_rank();
     if (i >= count) return;
     const int scene = scenes[i];
-    const Lanes lanes(member);
-    const std::uint64_t begin = nanoseconds();
+    const std::uint64_t begin = Lanes::nanoseconds();
+    const Lanes lanes(member, begin + most);
     march_scene<Lanes, form, packs>(lanes, tables[scene], states[scene], targets[scene]);
-    const std::uint64_t end = nanoseconds();
+    const std::uint64_t end = Lanes::nanoseconds();
     if (lanes.leader())
       seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;
   }
@@ -79,16 +83,6 @@ struct March {
         "ra2d::march",
         Policy(space, (count + in_block - 1) / in_block, in_block, LanesOf<Space>::vector_length),
         *this);
-  }
-
- private:
-  /// The GPU's clock.
-  RA2D_FUNCTION static std::uint64_t nanoseconds() {
-    std::uint64_t now = 0;
-#if defined(__CUDA_ARCH__)
-    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now)::"memory");
-#endif
-    return now;
   }
 };
 

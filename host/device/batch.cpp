@@ -232,14 +232,15 @@ struct Batch::Impl {
     return list;
   }
 
-  void launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
+  void launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals, double seconds,
               const std::function<void(int)>& marched);
-  void launch_on_device(const std::vector<int>& list, const std::vector<std::int64_t>& goals);
+  void launch_on_device(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
+                        double seconds);
 };
 
 void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::int64_t>& goals,
-                         const std::function<void(int)>& marched) {
-  if (memory.device != nullptr) launch_on_device(list, goals);
+                         double seconds, const std::function<void(int)>& marched) {
+  if (memory.device != nullptr) launch_on_device(list, goals, seconds);
   side_by_side(static_cast<int>(list.size()), [&](int i) {
     const int slot = list[static_cast<std::size_t>(i)];
     BatchSlot& scene = at(slot);
@@ -258,7 +259,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
 
 /// The scenes of each form and number of packs together, side by side with the others.
 void Batch::Impl::launch_on_device(const std::vector<int>& list,
-                                   const std::vector<std::int64_t>& goals) {
+                                   const std::vector<std::int64_t>& goals, double seconds) {
   Launched& l = *launched;
   DeviceQueue& queue = *memory.queue;
   std::map<std::pair<Form, int>, std::vector<int>> groups;
@@ -297,7 +298,7 @@ void Batch::Impl::launch_on_device(const std::vector<int>& list,
           ->march({kind.first, kind.second, count, scenes,
                    reinterpret_cast<const SceneTables*>(l.tables.data()),
                    reinterpret_cast<SceneState*>(l.states.data()),
-                   reinterpret_cast<const std::int64_t*>(l.targets.data()),
+                   reinterpret_cast<const std::int64_t*>(l.targets.data()), seconds,
                    reinterpret_cast<double*>(l.seconds.data())});
     });
     ++group_queue;
@@ -342,10 +343,10 @@ void Batch::put(int slot, const Model& model, const ModalStart& start) {
 
 void Batch::empty(int slot) { impl_->slots.at(static_cast<std::size_t>(slot)).reset(); }
 
-void Batch::march(const std::vector<std::int64_t>& targets,
+void Batch::march(const std::vector<std::int64_t>& targets, double seconds,
                   const std::function<void(int)>& marched) {
   if (const std::vector<int> list = impl_->running(); !list.empty())
-    impl_->launch(list, targets, marched);
+    impl_->launch(list, targets, seconds, marched);
 }
 
 void Batch::march(std::int64_t target) {

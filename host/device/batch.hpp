@@ -62,11 +62,11 @@ class Batch {
   void empty(int slot);
 
   /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
-  /// (host/system/interruption.hpp; not on a GPU, which finishes its launch) or a failure.
+  /// (host/system/interruption.hpp; not on a GPU) or a failure; on a GPU for `seconds` at the most.
   /// `marched` is called for each of them once it has been marched, on a CPU by the thread that
   /// did: it may drain the slot and fill it anew. A scene without memory for its contacts has
   /// stopped short, and has more the next time. Rethrows what `marched` throws.
-  void march(const std::vector<std::int64_t>& targets,
+  void march(const std::vector<std::int64_t>& targets, double seconds = 1e9,
              const std::function<void(int slot)>& marched = {});
   /// Marches all to one target.
   void march(std::int64_t target);

@@ -21,6 +21,7 @@ struct ScenesToMarch {
   const SceneTables* tables = nullptr;
   SceneState* states = nullptr;
   const std::int64_t* targets = nullptr;
+  double most_seconds = 1e9;  // what each may take, where the lanes have a clock
   double* seconds = nullptr;  // out: what each took
   int multiprocessors = 1;    // that the device has
 };

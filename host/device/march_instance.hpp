@@ -8,8 +8,10 @@ namespace ra2d {
 #if defined(KOKKOS_ENABLE_CUDA)
 template <Form form, int K>
 void march_listed(const Space& space, const ScenesToMarch& l) {
-  March<Space, form, K>{l.tables, l.states, l.scenes, l.count, l.targets, l.seconds}.launch(
-      space, l.multiprocessors);
+  March<Space, form, K>{l.tables, l.states,  l.scenes,
+                        l.count,  l.targets, static_cast<std::uint64_t>(1e9 * l.most_seconds),
+                        l.seconds}
+      .launch(space, l.multiprocessors);
 }
 /// Compiles the march of one form for the i-th number of packs.
 #define RA2D_MARCH(form, i) \

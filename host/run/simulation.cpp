@@ -10,6 +10,7 @@
 
 #include "host/base/clock.hpp"
 #include "host/device/backend.hpp"
+#include "host/device/device.hpp"
 #include "host/run/samples.hpp"
 #include "host/system/interruption.hpp"
 
@@ -119,9 +120,14 @@ bool SceneRun::over() const {
          accounts_.march_seconds >= limits_.wall || now.shocks_begun >= limits_.shocks;
 }
 
-std::int64_t SceneRun::target(std::int64_t ticks) const {
+std::int64_t SceneRun::target(std::int64_t ticks, int times) const {
   const std::int64_t step = accounts_.now.step;
-  std::int64_t next = step + std::min(ticks > 0 ? ticks : launch_.steps(), last_ - step);
+  const std::int64_t left = last_ - step;
+  std::int64_t next = step;
+  if (ticks > 0)
+    next += std::min(ticks, left);
+  else
+    next += launch_.steps() < left / times ? times * launch_.steps() : left;
   // a sample at the end of a window takes a step that begins there, and one more where it stands
   // between two
   if (model_.end < model_.steps) next = std::min(next, std::max(model_.end, step) + 2);
@@ -191,6 +197,8 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
     busy += seconds_since(begin);
   });
 
+  // on a device the clock ends a launch, for all scenes at once; without one it would be too long
+  const int times = march_device() != nullptr ? 8 : 1;
   std::vector<std::int64_t> targets(scenes_.size(), 0);
   for (goes_on_ = interruption() == 0; goes_on_;) {
     filler.fill_empty(too_large);
@@ -203,9 +211,9 @@ void Simulation::run(const Make& make, const std::function<void(SceneRun&)>& don
         std::max(1e-3, options_.seconds * std::min(1.0, static_cast<double>(scenes_at_once()) /
                                                             static_cast<double>(running)));
     for (std::size_t i = 0; i < scenes_.size(); ++i)
-      targets[i] = scenes_[i] != nullptr ? scenes_[i]->target(options_.ticks) : 0;
+      targets[i] = scenes_[i] != nullptr ? scenes_[i]->target(options_.ticks, times) : 0;
     const Clock::time_point begin = Clock::now();
-    batch.march(targets, [&](int slot) {
+    batch.march(targets, wanted, [&](int slot) {
       const Clock::time_point marched = Clock::now();
       busy += batch.seconds(slot);
       in_march += batch.seconds(slot);

@@ -73,8 +73,9 @@ class SceneRun {
   friend class Simulation;
   /// Takes its place in a slot.
   void begin(Batch& batch, int slot);
-  /// The tick to march to in the next launch, of `ticks` if that is not 0.
-  std::int64_t target(std::int64_t ticks) const;
+  /// The tick to march to in the next launch, of `ticks` if that is not 0, else so many times as
+  /// long as it is expected to last.
+  std::int64_t target(std::int64_t ticks, int times) const;
   /// Takes in what a launch has made; the next one is to take about `wanted` seconds.
   void take(Batch& batch, int slot, double wanted);
   void keep(const std::vector<Shock>& shocks);

@@ -107,14 +107,14 @@ class AdaptiveMarch {
     }
   }
 
-  /// Marches to `target` or a little beyond, the end of the scene, a full buffer, an interrupt or a
-  /// failure, whichever is first.
+  /// Marches to `target` or a little beyond, the end of the scene or of the time, a full buffer, an
+  /// interrupt or a failure, whichever is first.
   KOKKOS_FORCEINLINE_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop =
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
     while (state_.carried.status == Status::running && tick_ < stop &&
            can_record_shocks(state_.out.ended_shocks, state_.work.runs) &&
-           !is_interrupted(tables_.interrupted))
+           !is_interrupted(tables_.interrupted) && !lanes_.time_is_up())
       if (!advance()) break;
     const bool done = state_.carried.status == Status::running &&
                       tick_ == tables_.output.total_steps && last_sample();

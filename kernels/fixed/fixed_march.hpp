@@ -106,8 +106,8 @@ class FixedMarch {
     begin();
   }
 
-  /// Marches until step `target`, the end of the scene, a full buffer, an interrupt or a failure,
-  /// whichever is first.
+  /// Marches until step `target`, the end of the scene or of the time, a full buffer, an interrupt
+  /// or a failure, whichever is first.
   KOKKOS_FORCEINLINE_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop =
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
@@ -120,7 +120,7 @@ class FixedMarch {
       if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
         recorder_.check_energy(now_);
       if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
-          is_interrupted(tables_.interrupted))
+          is_interrupted(tables_.interrupted) || lanes_.time_is_up())
         break;
       const std::int64_t next = recorder_.next_event(now_.step, stop);
       recorder_.begin_stretch();

@@ -58,6 +58,7 @@ void PtxWarp::run(const std::vector<std::uint64_t>& parameters) {
                                 program_.parameters().size(), parameters.size()));
   for (std::size_t k = 0; k < parameters.size(); ++k)
     registers_[static_cast<std::size_t>(program_.parameters()[k])].fill(parameters[k]);
+  if (program_.clock() >= 0) registers_[static_cast<std::size_t>(program_.clock())].fill(0);
   at_.fill(0);
   alive_ = all;
   memory_.sync();
@@ -196,6 +197,8 @@ void PtxWarp::meet() {
   else if (i.kind == Kind::sync)
     memory_.sync();
   for (std::size_t& of_lane : at_) ++of_lane;
+  if (program_.clock() >= 0)
+    for (std::uint64_t& of_lane : registers_[static_cast<std::size_t>(program_.clock())]) ++of_lane;
 }
 
 void PtxWarp::exchange(const Instruction& i) {

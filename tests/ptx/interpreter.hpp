@@ -18,7 +18,8 @@
 /// It watches what a GPU would do wrong in silence. An access outside the arrays that a test
 /// allows, one that is not aligned, and lanes that come to different meetings are faults. Two lanes
 /// that touch one place without a `bar.warp.sync` between, one of them writing, are a race. A
-/// shuffle orders no memory.
+/// shuffle orders no memory. The clock (%globaltimer) begins a run with 0 and counts the lanes'
+/// meetings.
 namespace ra2d::test {
 
 /// A cache of 16 ways that drops what was not used for longest.

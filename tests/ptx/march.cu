@@ -8,9 +8,11 @@
 
 using Launch = ra2d::March<Kokkos::Cuda, ra2d::Form::RA2D_PTX_FORM, RA2D_PTX_PACKS>;
 
-extern "C" __global__ void __launch_bounds__(Launch::most_in_block * ra2d::WarpLanes<int>::width, 1)
-    march(const ra2d::SceneTables* tables, ra2d::SceneState* state, std::int64_t target) {
+extern "C" __global__ void __launch_bounds__(Launch::most_in_block* ra2d::WarpLanes<int>::width,
+                                             Launch::least_blocks)
+    march(const ra2d::SceneTables* tables, ra2d::SceneState* state, std::int64_t target,
+          std::uint64_t end) {
   using Lanes = ra2d::WarpLanes<int>;
-  ra2d::march_scene<Lanes, ra2d::Form::RA2D_PTX_FORM, RA2D_PTX_PACKS>(Lanes(0), *tables, *state,
-                                                                      target);
+  ra2d::march_scene<Lanes, ra2d::Form::RA2D_PTX_FORM, RA2D_PTX_PACKS>(Lanes(0, end), *tables,
+                                                                      *state, target);
 }

@@ -30,9 +30,10 @@ PtxWarp warp_for(const Program& program, SceneOnLanes& scene, PtxWarp::Order ord
   return warp;
 }
 
-void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target) {
+void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target, std::uint64_t most) {
   warp.run({reinterpret_cast<std::uint64_t>(&scene.tables()),
-            reinterpret_cast<std::uint64_t>(&scene.state()), static_cast<std::uint64_t>(target)});
+            reinterpret_cast<std::uint64_t>(&scene.state()), static_cast<std::uint64_t>(target),
+            most});
 }
 
 }  // namespace ra2d::test

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -30,7 +31,8 @@ class MarchPrograms {
 
 /// A warp that may touch what a scene has. It runs what `program` holds.
 PtxWarp warp_for(const Program& program, SceneOnLanes& scene, PtxWarp::Order order);
-/// Marches the scene to a target.
-void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target);
+/// Marches the scene to a target, or until so many meetings of the lanes are over.
+void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target,
+           std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace ra2d::test

@@ -308,7 +308,9 @@ class Program::Parser {
       for (std::uint64_t lane = 0; lane < warp_width; ++lane) first[lane] = lane;
     else if (name.find('.') != std::string::npos)
       fault("this register is not known here");
-    return found->second = add_register(first);
+    found->second = add_register(first);
+    if (name == "%globaltimer") program_.clock_ = found->second;
+    return found->second;
   }
   int add_register(const LaneBits& first) {
     program_.registers_.push_back(first);

@@ -74,6 +74,8 @@ class Program {
   const std::vector<int>& parameters() const { return parameters_; }
   /// The register that holds where a lane's local memory begins; -1: none is used.
   int local_begin() const { return local_begin_; }
+  /// The register of the clock; -1: it is not read.
+  int clock() const { return clock_; }
   std::size_t local_bytes() const { return local_bytes_; }
   /// "line 12 (fixed_march.hpp:34): bar.warp.sync -1;"
   std::string place(const Instruction& instruction) const;
@@ -90,7 +92,7 @@ class Program {
   std::vector<LaneBits> registers_;
   std::vector<int> parameters_;
   std::map<int, std::string> files_;
-  int local_begin_ = -1;
+  int local_begin_ = -1, clock_ = -1;
   std::size_t local_bytes_ = 0;
 };
 

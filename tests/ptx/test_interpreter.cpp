@@ -186,6 +186,16 @@ TEST(Interpreter, ExchangesBetweenLanesInAnyOrder) {
 }
 
 /// The first lane alone goes round a loop, its others wait; then all go on together.
+TEST(Interpreter, TheClockCountsMeetings) {
+  const Outcome outcome = run(R"(
+	bar.warp.sync 	-1;
+	bar.warp.sync 	-1;
+	mov.u64 	%rd3, %globaltimer;
+	cvt.rn.f64.u64 	%fd1, %rd3;
+	st.f64 	[%rd2], %fd1;)");
+  EXPECT_THAT(outcome.values, testing::Each(2.0));
+}
+
 TEST(Interpreter, LanesPartAndGoOnTogether) {
   const std::string body = R"(
 	@!%p1 bra 	$L__BB0_2;

@@ -120,6 +120,26 @@ Started touching_scene(Form form, std::int64_t steps) {
   }
 }
 
+TEST_P(PtxMarch, LaunchesThatTheClockEndsHaveTheBitsOfOne) {
+  const Started c = touching_scene(GetParam(), longest);
+  const std::int64_t steps = GetParam() == Form::adaptive ? c.model.steps / 25 : longest;
+  SceneOnLanes whole(c.model, c.start, 1), parts(c.model, c.start, 1);
+  PtxWarp one = warp_for(program(), whole, PtxWarp::Order::in_step);
+  march(one, whole, steps);
+  PtxWarp many = warp_for(program(), parts, PtxWarp::Order::in_step);
+  int launches = 0;
+  for (; launches < 1000 && parts.state().carried.step < whole.state().carried.step; ++launches)
+    march(many, parts, steps, 100);
+  // but for how many nodes were looked at, and what earlier launches left behind the open shocks
+  const SceneState& of = whole.state();
+  parts.state().carried.sums.evaluated = of.carried.sums.evaluated;
+  for (int i = of.carried.shocks.open_count; i < 2 * of.work.runs.capacity; ++i)
+    parts.state().out.now.open[i] = of.out.now.open[i];
+  EXPECT_EQ(parts.differs_from(whole), "");
+  EXPECT_GT(launches, 2);
+  EXPECT_LT(launches, 1000);
+}
+
 // Not every sync that is run is needed in a scene: some stand for paths that it does not take. But
 // a third at the least is, and none that is missing changes a bit unnoticed.
 TEST_P(PtxMarch, MissingSyncsAreNoticed) {

@@ -86,6 +86,7 @@ struct FiberLanes {
   bool leader() const { return lane == 0; }
   static void prefetch(const double*) {}
   static void meet_scenes() {}
+  static constexpr bool time_is_up() { return false; }
   void sync(const Where& where = Where::current()) const {
     warp.meet(lane, Warp::Meeting::sync, where);
   }
