@@ -12,9 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <random>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "host/device/backend.hpp"
 #include "host/model/model.hpp"
@@ -49,6 +52,25 @@ std::span<const Stretch> stretches() {
 }
 constexpr double areal_step = 1e-7;  // s
 constexpr int scenes_in_step = 16;   // in a block of `adaptive` (kernels/march.hpp)
+
+/// Instructions that scenes in step take for a step: in every phase those of the one with most, of
+/// `scenes_in_step` steps drawn at random.
+double issued_in_step(const std::vector<std::uint64_t>& stretches, std::size_t phases) {
+  constexpr int draws = 2000;
+  const std::size_t steps = stretches.size() / phases;
+  std::mt19937 random{1};
+  std::uniform_int_distribution<std::size_t> step(0, steps - 1);
+  double sum = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    std::vector<std::uint64_t> most(phases, 0);
+    for (int scene = 0; scene < scenes_in_step; ++scene) {
+      const std::size_t begin = phases * step(random);
+      for (std::size_t k = 0; k < phases; ++k) most[k] = std::max(most[k], stretches[begin + k]);
+    }
+    sum += std::accumulate(most.begin(), most.end(), 0.0);
+  }
+  return sum / draws;
+}
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {
@@ -105,6 +127,10 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
       {"loads", loads / steps},
       {"sums", static_cast<double>(warp.reductions()) / steps},
       {"local_bytes", program.local_bytes()}};
+  if (const auto phases = std::llround(static_cast<double>(warp.stretches().size()) / steps);
+      phases > 0)
+    counts["in_step_instructions"] =
+        issued_in_step(warp.stretches(), static_cast<std::size_t>(phases));
   if (scene.kind == SceneKind::areal) {
     counts["bytes_beyond_64_kB"] = static_cast<double>(cache64.missed_bytes()) / steps;
     counts["bytes_beyond_512_kB"] = static_cast<double>(cache512.missed_bytes()) / steps;

@@ -121,19 +121,19 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
     const Instruction& i = instructions[at];
     switch (i.kind) {
       case Kind::value:
-        ++counts_[at];
+        issue(at);
         i.compute(registers_.data(), i, guarded(i, lanes));
         ++at;
         break;
       case Kind::load:
       case Kind::store:
       case Kind::compare_and_swap:
-        ++counts_[at];
+        issue(at);
         access(i, at, guarded(i, lanes));
         ++at;
         break;
       case Kind::branch: {
-        ++counts_[at];
+        issue(at);
         const std::uint32_t taken = guarded(i, lanes);
         const auto target = static_cast<std::size_t>(i.target);
         if (taken != 0 && taken != lanes) {
@@ -147,7 +147,7 @@ void PtxWarp::run_group(std::uint32_t lanes, std::size_t limit) {
         break;
       }
       case Kind::end:
-        ++counts_[at];
+        issue(at);
         alive_ &= ~lanes;
         return;
       case Kind::sync:
@@ -189,13 +189,15 @@ void PtxWarp::meet() {
             all)
       fault(i, "a meeting of some lanes alone");
   }
-  ++counts_[at];
+  issue(at);
   if (i.kind == Kind::exchange)
     exchange(i);
   else if (i.kind == Kind::ballot)
     ballot(i);
   else if (i.kind == Kind::sync)
     memory_.sync();
+  else if (i.kind == Kind::block_sync)
+    stretches_.push_back(std::exchange(in_stretch_, 0));
   for (std::size_t& of_lane : at_) ++of_lane;
   if (program_.clock() >= 0)
     for (std::uint64_t& of_lane : registers_[static_cast<std::size_t>(program_.clock())]) ++of_lane;

@@ -68,12 +68,18 @@ class PtxWarp {
   /// How often each instruction was issued to lanes of the warp, in all runs. As a GPU counts where
   /// they go together.
   const std::vector<std::uint64_t>& counts() const { return counts_; }
+  /// Instructions issued from one sync of the block to the next.
+  const std::vector<std::uint64_t>& stretches() const { return stretches_; }
   /// Reductions over the lanes. Each ends with an exchange between neighbours, in two halves.
   std::uint64_t reductions() const { return neighbour_exchanges_ / 2; }
 
  private:
   static constexpr std::uint32_t all = 0xFFFFFFFF;
 
+  void issue(std::size_t index) {
+    ++counts_[index];
+    ++in_stretch_;
+  }
   void run_in_step();
   void run_by_turns(bool shuffle);
   void run_group(std::uint32_t lanes, std::size_t limit);
@@ -101,7 +107,8 @@ class PtxWarp {
   std::vector<std::uint32_t> hints_;  // of each instruction: the array that it touched last
   std::vector<WatchedMemory::Conflict> conflicts_;
   std::set<std::pair<int, int>> races_;
-  std::vector<std::uint64_t> counts_;
+  std::vector<std::uint64_t> counts_, stretches_;
+  std::uint64_t in_stretch_ = 0;
   std::uint64_t neighbour_exchanges_ = 0;
   std::vector<ModelCache*> caches_;
 };
