@@ -42,8 +42,8 @@
 namespace ra2d {
 namespace {
 
-constexpr int slots_of_a_gpu =
-    4096;  // several times what it marches at a moment; memory may be for fewer
+// two crews, each with as many as an H100 or H200 marches at a moment; memory may be for fewer
+constexpr int slots_of_a_gpu = 2 * 2112;
 constexpr std::chrono::milliseconds tick_time{200};
 constexpr double progress_time = 0.2;  // s
 constexpr std::size_t most_failures_reported = 10;
