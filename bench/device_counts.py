@@ -15,7 +15,8 @@ Of a step: `ptx_instructions`, `loads` and
 `distinct_instructions`: how many different ones of PTX are in 16 steps drawn at random. That is
 what 16 scenes that keep step make a GPU fetch, and `adaptive` waits for it (docs/gpu.md).
 `in_step_instructions`: what the one of them with most to do issues, summed over the phases of a
-step.
+step; `_2`, `_4`: if a block had two or four times as many scenes as warps, and each warp took the
+next scene in every phase.
 `sums`: reductions over its lanes. `local_bytes`: a lane's local memory that the source asks for.
 `registers` of a thread and `spilled_bytes`, as ptxas says, with the launch bounds of the march.
 `counted`: steps. `in_contact`: the share of the time steps with a contact. ptxas and

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -12,7 +13,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -53,23 +53,25 @@ std::span<const Stretch> stretches() {
 constexpr double areal_step = 1e-7;  // s
 constexpr int scenes_in_step = 16;   // in a block of `adaptive` (kernels/march.hpp)
 
-/// Instructions that scenes in step take for a step: in every phase those of the one with most, of
-/// `scenes_in_step` steps drawn at random.
-double issued_in_step(const std::vector<std::uint64_t>& stretches, std::size_t phases) {
+/// Instructions that so many scenes in step take for a step on `scenes_in_step` warps, for as many
+/// scenes as warps, of steps drawn at random. In every phase each warp takes the next scene, and
+/// waits for the warp with most to do.
+double issued_in_step(const std::vector<std::uint64_t>& stretches, std::size_t phases, int scenes) {
   constexpr int draws = 2000;
-  const std::size_t steps = stretches.size() / phases;
   std::mt19937 random{1};
-  std::uniform_int_distribution<std::size_t> step(0, steps - 1);
+  std::uniform_int_distribution<std::size_t> step(0, stretches.size() / phases - 1);
   double sum = 0;
   for (int draw = 0; draw < draws; ++draw) {
-    std::vector<std::uint64_t> most(phases, 0);
-    for (int scene = 0; scene < scenes_in_step; ++scene) {
-      const std::size_t begin = phases * step(random);
-      for (std::size_t k = 0; k < phases; ++k) most[k] = std::max(most[k], stretches[begin + k]);
+    std::vector<std::size_t> begins(static_cast<std::size_t>(scenes));
+    for (std::size_t& begin : begins) begin = phases * step(random);
+    for (std::size_t phase = 0; phase < phases; ++phase) {
+      std::array<std::uint64_t, scenes_in_step> warps{};
+      for (const std::size_t begin : begins)
+        *std::min_element(warps.begin(), warps.end()) += stretches[begin + phase];
+      sum += static_cast<double>(*std::max_element(warps.begin(), warps.end()));
     }
-    sum += std::accumulate(most.begin(), most.end(), 0.0);
   }
-  return sum / draws;
+  return sum / draws * scenes_in_step / scenes;
 }
 
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
@@ -129,8 +131,10 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
       {"local_bytes", program.local_bytes()}};
   if (const auto phases = std::llround(static_cast<double>(warp.stretches().size()) / steps);
       phases > 0)
-    counts["in_step_instructions"] =
-        issued_in_step(warp.stretches(), static_cast<std::size_t>(phases));
+    for (const int times : {1, 2, 4})
+      counts[times == 1 ? "in_step_instructions" : fmt::format("in_step_instructions_{}", times)] =
+          issued_in_step(warp.stretches(), static_cast<std::size_t>(phases),
+                         times * scenes_in_step);
   if (scene.kind == SceneKind::areal) {
     counts["bytes_beyond_64_kB"] = static_cast<double>(cache64.missed_bytes()) / steps;
     counts["bytes_beyond_512_kB"] = static_cast<double>(cache512.missed_bytes()) / steps;
