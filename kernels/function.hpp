@@ -6,9 +6,10 @@
 /// that device compilers always inline. Inlining keeps the parts of a march in registers. If a
 /// single call is handed the address of one, all of it stays in memory, and each access to a table
 /// needs two loads. The compiler of a CPU may choose, since its stack is in the nearest cache. So
-/// may nvcc where it compiles without optimising (-G).
-#if (defined(__CUDACC__) && !defined(__CUDACC_DEBUG__)) || defined(__HIPCC__) || \
-    defined(SYCL_LANGUAGE_VERSION)
+/// may nvcc where it compiles without optimising (-G), and with RA2D_COMPILER_INLINES: the march of
+/// Form::implicit is so large when all is inlined that ptxas takes over half an hour for it.
+#if !defined(RA2D_COMPILER_INLINES) && ((defined(__CUDACC__) && !defined(__CUDACC_DEBUG__)) || \
+                                        defined(__HIPCC__) || defined(SYCL_LANGUAGE_VERSION))
 #define RA2D_FUNCTION KOKKOS_FORCEINLINE_FUNCTION
 #else
 #define RA2D_FUNCTION KOKKOS_FUNCTION
