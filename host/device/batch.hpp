@@ -62,7 +62,7 @@ class Batch {
   void empty(int slot);
 
   /// One launch: each running scene goes on to its own target, its end, a full buffer, an interrupt
-  /// (host/system/interruption.hpp; not on a GPU) or a failure; on a GPU for `seconds` at the most.
+  /// (host/system/interruption.hpp; not on a GPU) or a failure; each on a GPU `seconds` at most.
   /// `marched` is called for each of them once it has been marched, on a CPU by the thread that
   /// did: it may drain the slot and fill it anew. A scene without memory for its contacts has
   /// stopped short, and has more the next time. Rethrows what `marched` throws.

@@ -7,7 +7,9 @@ usage: make_ptx.py [--jobs N] [--packs N] BUILD FOLDER [FORM...]
 
 BUILD was configured for CUDA; nothing in it has to be built. The flags are those of its own
 marches, but optimised and with the source's lines: so what is wrong with the flags shows in the
-PTX. Writes FOLDER/FORM.ptx; all forms, or those named. Standard library only.
+PTX. All is inlined, which the build's own march of multipliers is not (kernels/function.hpp): the
+interpreter knows no calls. Writes FOLDER/FORM.ptx; all forms, or those named. Standard library
+only.
 """
 import argparse
 import concurrent.futures

@@ -185,7 +185,6 @@ TEST(Interpreter, ExchangesBetweenLanesInAnyOrder) {
   }
 }
 
-/// The first lane alone goes round a loop, its others wait; then all go on together.
 TEST(Interpreter, TheClockCountsMeetings) {
   const Outcome outcome = run(R"(
 	bar.warp.sync 	-1;
@@ -196,6 +195,7 @@ TEST(Interpreter, TheClockCountsMeetings) {
   EXPECT_THAT(outcome.values, testing::Each(2.0));
 }
 
+/// The first lane alone goes round a loop, its others wait; then all go on together.
 TEST(Interpreter, LanesPartAndGoOnTogether) {
   const std::string body = R"(
 	@!%p1 bra 	$L__BB0_2;
