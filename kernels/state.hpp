@@ -314,9 +314,11 @@ struct PointBuffers {
   double* power = nullptr;  // W: (first point, points) of the imposed motion, then of moving forces
   int* cells = nullptr;     // evaluated
   double* force = nullptr;  // N, (cell, first point, points)
-  double* centre = nullptr;       // chi, (cell, first point, points): where it acts on the slider
+  double* moment = nullptr;       // N chi, (cell, first point, points): of it, along the slider
   double* shock_force = nullptr;  // N, (point): of one shock
   double* ends = nullptr;         // of contact: (cell, side, 2, points)
+  double* springs = nullptr;      // (spring, 2, points): stiffness [N/m], displacement [m]
+  int* spring_cells = nullptr;    // in whose middle they stand
   CellRun* runs = nullptr;
   int run_count = 0, listed = 0;
 };
@@ -499,8 +501,10 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("shock_force", s.points.shock_force, std::size_t{collocation_points});
     visit("point_cells", s.points.cells, contacts);
     visit("point_force", s.points.force, contacts * (1 + points));
-    visit("point_centre", s.points.centre, contacts * (1 + points));
+    visit("point_moment", s.points.moment, contacts * (1 + points));
     visit("contact_ends", s.points.ends, contacts * 4 * points);
+    visit("springs", s.points.springs, contacts * 2 * points);
+    visit("spring_cells", s.points.spring_cells, contacts);
     visit("cell_runs", s.points.runs, contacts);
   }
 }

@@ -395,6 +395,8 @@ struct FlightTables {
 /// (kernels/adaptive/smooth_step.hpp).
 struct CollocationTables {
   const double* paces = nullptr;  // (Pace): point_shares and what follows it
+  bool cells_share = false;  // a cell's cubics of the modes' shapes do for those beside it, too
+  double early_release = 0;  // the share of a step graded towards a release that may follow it
 };
 
 struct MovingForces {

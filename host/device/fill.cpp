@@ -65,6 +65,16 @@ int count_windows(const Model& model) {
                                   std::pow(24 * left_out, 0.25))));
 }
 
+/// Whether a cell's cubics of the modes' shapes do for the cells beside it, too: off there by a
+/// hundredth of what a step's error may be.
+bool neighbours_share(const Model& model) {
+  const double beta =
+      std::max(highest_wave_number(model.resonator), highest_wave_number(model.slider));
+  const double farthest = 1.5 + 0.5 / count_windows(model);  // chi, from the cubics' middle
+  return std::pow(beta * model.scene.spacing * farthest, 4) / 24 <=
+         1e-3 * model.scene.time.tolerance.value_or(usual_tolerance);
+}
+
 /// One mode of either body, on its lane.
 struct ModeOnLane {
   int lane;
@@ -494,6 +504,10 @@ void Filler::adaptive() {
   std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
   fill_hull(host_(tables_.adaptive.hull), tables_.adaptive.order + 3);
   if (n_.smooth) fill_collocation(host_(tables_.collocation.paces));
+  tables_.collocation.cells_share = n_.smooth && neighbours_share(model_);
+  // where contact ends at the share 1 - e of a step, its formula is off by some e^2.5 of the
+  // impulse
+  tables_.collocation.early_release = std::pow(tables_.adaptive.tolerance, 0.4);
 }
 
 /// Shapes across the bodies about even rows, and what polynomials leave out of shapes. After the

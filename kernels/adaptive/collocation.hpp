@@ -37,6 +37,7 @@ class CollocationSweeps {
                                   const SliderMotion& motion, const FaceTables& faces,
                                   const SliderShapes& slider, const SeriesTables& adaptive,
                                   const ContactTables& contact,
+                                  const CollocationTables& collocation,
                                   const ExpandedCells<Lanes, packs>& cells, double* cell_parts,
                                   PointBuffers& buffers)
       : lanes_{lanes},
@@ -48,17 +49,25 @@ class CollocationSweeps {
         contact_{contact},
         cells_{cells},
         parts_{lanes, cell_parts},
-        buffers_{buffers} {}
+        buffers_{buffers},
+        cells_share_{collocation.cells_share} {}
 
   /// Rows of all modes at the beginning.
   struct Beginning {
     const double *u, *v, *a;
     const double* jerk;  // first and second derivative of the accelerations
   };
+  /// A longer try of the same step, whose accelerations are still here; `share`: of its time that
+  /// this one takes. Without a table: none.
+  struct Earlier {
+    const double* table;
+    Pace pace;
+    double share;
+  };
   /// A step of `ticks` from `start` on, at the pace of `table`. The accelerations are first taken
-  /// to go on at their rate.
+  /// to be those of an earlier try, or to go on at their rate.
   RA2D_FUNCTION void begin(const double* table, double ticks, const Place& start,
-                           const Beginning& now) {
+                           const Beginning& now, const Earlier& earlier) {
     table_ = table;
     time_ = ticks * motion_.time_step;
     for (int g = 0; g < groups; ++g) {
@@ -72,11 +81,14 @@ class CollocationSweeps {
         const Real u(now.u[m]), v(now.v[m]), a(now.a[m]);
         store(buffers_.u_before, m, g, multiply_add(a, displacement, multiply_add(v, time, u)));
         store(buffers_.v_before, m, g, multiply_add(a, velocity, v));
-        const Real rate = multiply_add(Real(0.5 * now.jerk[row + m]), time, Real(now.jerk[m]));
-        store(buffers_.a_at, m, g, multiply_add(rate, time, a));
         store(buffers_.force_at, m, g, Real(modes_.load[m]));
+        if (earlier.table == nullptr) {
+          const Real rate = multiply_add(Real(0.5 * now.jerk[row + m]), time, Real(now.jerk[m]));
+          store(buffers_.a_at, m, g, multiply_add(rate, time, a));
+        }
       }
     }
+    if (earlier.table != nullptr) interpolate(earlier, now.a);
     lanes_.sync();
   }
   /// Adds the moving forces: series of the modes, (power, lane), up to `order`, in units of `scale`
@@ -128,14 +140,15 @@ class CollocationSweeps {
     for (int g = 0; g < groups; ++g) {
       work_[g] = square_[g] = Real(0.0);
       contact_acts_[g] = false;
-      for (int e = 0; e < count; ++e) add_contact(cells[e], e, g, again);
+      springs_ = 0;
+      for (int e = 0; e < count; ++springs_) {
+        const Neighbours group = neighbours(cells, e, count);
+        add_contact(cells, group, g, again);
+        e = group.end;
+      }
       for (int m = 0, modes = modes_.count; m < modes; ++m) {
-        const double omega = modes_.omega[m];
         const Real force = load(contact_acts_[g] ? buffers_.contact_at : buffers_.force_at, m, g);
-        const Real held = multiply_add(adaptive_.decay[m], load(buffers_.v_at, m, g),
-                                       omega * omega * load(buffers_.u_at, m, g));
-        const Real a = multiply_add(adaptive_.inverse_mass[m], force, -held),
-                   change = a - load(buffers_.a_at, m, g);
+        const Real a = acceleration(m, g, force), change = a - load(buffers_.a_at, m, g);
         by = multiply_add(modes_.mass[m], change * change, by);
         size = multiply_add(modes_.mass[m], a * a, size);
         store(buffers_.a_at, m, g, a);
@@ -144,6 +157,35 @@ class CollocationSweeps {
     lanes_.sync();
     const double square = time_ * time_;
     return {square * lanes_.max(by), square * lanes_.max(size)};
+  }
+
+  /// The same with springs for contact: since the sweep before, a force changes by the length of
+  /// its contact times what the displacement changes by. That takes a quarter of the time, and
+  /// comes nearly as far.
+  RA2D_FUNCTION void accelerate_on_springs() {
+    for (int g = 0; g < groups; ++g) {
+      const double* forces = buffers_.force_at;
+      Spring last{nullptr, Real(0.0)};
+      if (contact_acts_[g]) {
+        forces = buffers_.contact_at;
+        for (int i = 0; i < springs_; ++i) {
+          const Spring spring = compressed(i, g);
+          if (spring.shape == nullptr) continue;
+          if (last.shape != nullptr) add_spring(last, g);
+          last = spring;
+        }
+      }
+      const int modes = modes_.count;
+      if (last.shape == nullptr)
+        for (int m = 0; m < modes; ++m)
+          store(buffers_.a_at, m, g, acceleration(m, g, load(forces, m, g)));
+      else
+        for (int m = 0; m < modes; ++m) {
+          const Real force = multiply_add(Real(-last.shape[m]), last.force, load(forces, m, g));
+          store(buffers_.a_at, m, g, acceleration(m, g, force));
+        }
+    }
+    lanes_.sync();
   }
 
   /// Takes those of the listed cells out of the list that carry no force anywhere in the step so
@@ -155,7 +197,7 @@ class CollocationSweeps {
       int kept = 0;
       for (int e = 0; e < count; ++e) {
         double *const force = buffers_.force + e * points,
-                      *const centre = buffers_.centre + e * points,
+                      *const moment = buffers_.moment + e * points,
                       *const ends = buffers_.ends + e * (4 * pitch);
         bool closed = false;
         for (int i = 0; i <= last_point; ++i) closed = closed || force[i] > 0.0;
@@ -164,7 +206,7 @@ class CollocationSweeps {
           buffers_.cells[kept] = buffers_.cells[e];
           for (int i = 0; i < points; ++i) {
             buffers_.force[kept * points + i] = force[i];
-            buffers_.centre[kept * points + i] = centre[i];
+            buffers_.moment[kept * points + i] = moment[i];
           }
           for (int i = 0; i < 4 * pitch; ++i) buffers_.ends[kept * (4 * pitch) + i] = ends[i];
         }
@@ -239,12 +281,14 @@ class CollocationSweeps {
   ExpandedCells<Lanes, packs> cells_;
   CellParts<Lanes> parts_;
   PointBuffers& buffers_;
+  bool cells_share_;
   const double* table_ = nullptr;
   double time_ = 0.0;
   Real theta_[groups], offset_[groups];
   Real work_[groups];    // J/chi, of the imposed motion over a spacing of the slider's path
   Real square_[groups];  // m^2, of the overlaps
   bool contact_acts_[groups];
+  int springs_ = 0;
 
   KOKKOS_FORCEINLINE_FUNCTION Real at_points(int numbers, int g) const {
     return lanes_.load(table_ + numbers + g * width);
@@ -256,9 +300,45 @@ class CollocationSweeps {
     lanes_.store(rows + m * pitch + g * width, x);
   }
 
-  /// The integrals of contact in a cell, at each point.
+  /// Accelerations at the points by the polynomials through those of an earlier try. `first`: at
+  /// the beginning.
+  RA2D_FUNCTION void interpolate(const Earlier& earlier, const double* first) const {
+    Real weight[groups][collocation_points];
+    for (int g = 0; g < groups; ++g) {
+      const Real x = pace_x(earlier.pace, earlier.share * at_points(point_shares, g));
+      Real sum(0.0);
+      for (int j = 0; j < collocation_points; ++j) {
+        const Real apart = x - Real(earlier.table[point_places + j]);
+        const Real some = if_positive(Kokkos::abs(apart) - Real(1e-30), apart, Real(1e-30));
+        weight[g][j] = Real(earlier.table[barycentric_weights + j]) / some;
+        sum = sum + weight[g][j];
+      }
+      const Real inverse = Real(1.0) / sum;
+      for (int j = 0; j < collocation_points; ++j) weight[g][j] = inverse * weight[g][j];
+    }
+    for (int m = 0; m < modes_.count; ++m) {
+      const double* const a = buffers_.a_at + m * pitch;
+      Real there[groups];
+      for (int g = 0; g < groups; ++g) {
+        there[g] = weight[g][0] * Real(first[m]);
+        for (int j = 1; j < collocation_points; ++j)
+          there[g] = multiply_add(weight[g][j], Real(a[j - 1]), there[g]);
+      }
+      lanes_.sync();
+      for (int g = 0; g < groups; ++g) store(buffers_.a_at, m, g, there[g]);
+    }
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION Real acceleration(int m, int g, const Real& force) const {
+    const double omega = modes_.omega[m];
+    const Real held = multiply_add(adaptive_.decay[m], load(buffers_.v_at, m, g),
+                                   omega * omega * load(buffers_.u_at, m, g));
+    return multiply_add(adaptive_.inverse_mass[m], force, -held);
+  }
+
+  /// The integrals of contact in a cell, at each point, and its length.
   struct Contact {
-    Real moment[4], square, face_work;
+    Real moment[4], square, face_work, length;
     bool any = false;
   };
   /// `moving`: the overlap but for the resonator's face. `ends`: where contact begins and ends, on
@@ -266,7 +346,7 @@ class CollocationSweeps {
   KOKKOS_FORCEINLINE_FUNCTION Contact contact(const CellFaces& faces, const Real& theta,
                                               const Real* moving, double* ends, bool again) {
     Contact sum;
-    sum.square = sum.face_work = Real(0.0);
+    sum.square = sum.face_work = sum.length = Real(0.0);
     for (int j = 0; j < 4; ++j) sum.moment[j] = Real(0.0);
     const Real knot = Real(0.5) - theta;
     for (int side = 0; side < 2; ++side) {
@@ -288,12 +368,13 @@ class CollocationSweeps {
       typename CellParts<Lanes>::Integrals part;
       if (!again || !parts_.integrate_from(o, face, left, right, at_left, at_right, near,
                                            lanes_.load(low), lanes_.load(low + pitch), part))
-        parts_.integrate(o, face, left, right, part);
+        parts_.integrate(o, face, left, right, again ? parts_.roots_close : 0.1, part);
       lanes_.store(low, part.low);
       lanes_.store(low + pitch, part.high);
       for (int j = 0; j < 4; ++j) sum.moment[j] = sum.moment[j] + part.moment[j];
       sum.square = sum.square + part.square;
       sum.face_work = sum.face_work + part.face_work;
+      sum.length = sum.length + (part.high - part.low);
       sum.any = true;
     }
     sum.any = sum.any && lanes_.at_least(sum.moment[0], 1e-300) != 0;
@@ -360,39 +441,110 @@ class CollocationSweeps {
     for (int j = 0; j < 4; ++j) moving[j] = (Real(faces.own.c[j]) + passing[j]) + own[j];
   }
 
-  /// Contact in a cell, number e of the list: adds its modal forces and its work.
-  RA2D_FUNCTION void add_contact(int cell, int e, int g, bool again) {
-    const double* const c = cells_.shapes_of(cell);
-    const CellFaces faces = cells_.faces(cell);
-    const Real& x = offset_[g];
-    Real passing[4], moving[4];
-    move_cell(cell, faces, g, passing, moving);
-    const Contact found =
-        contact(faces, theta_[g], moving, buffers_.ends + e * (4 * pitch) + g * width, again);
-    double* const force = buffers_.force + e * (1 + pitch) + 1 + g * width;
-    if (!found.any) {
-      lanes_.store(force, Real(0.0));
-      return;
+  /// Moments of f, of eta^j, as those of (x + eta)^j.
+  KOKKOS_FORCEINLINE_FUNCTION static void shift_moments(const Real* f, const Real& x, Real* about) {
+    about[0] = f[0];
+    about[1] = multiply_add(x, f[0], f[1]);
+    about[2] = multiply_add(x, f[1] + about[1], f[2]);
+    about[3] = multiply_add(x, multiply_add(x, f[1] + f[1] + about[1], Real(3.0) * f[2]), f[3]);
+  }
+
+  /// Listed cells beside one another that share their sums over the modes: those of `cell`, whose
+  /// shapes hold in the cells beside it, too, where CollocationTables says so.
+  struct Neighbours {
+    int first, end, cell;
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Neighbours neighbours(const int* cells, int first, int count) const {
+    int end = first + 1, cell = cells[first];
+    if (cells_share_ && end < count && cells[end] == cell + 1) {
+      cell = cells[end++];
+      if (end < count && cells[end] == cell + 1) ++end;
     }
+    return {first, end, cell};
+  }
+
+  /// Contact in these cells: adds its modal forces and its work, and keeps its spring.
+  RA2D_FUNCTION void add_contact(const int* cells, const Neighbours& group, int g, bool again) {
+    const double* const c = cells_.shapes_of(group.cell);
     const Real spring(contact_.node_stiffness);  // of a whole cell
-    lanes_.store(buffers_.centre + e * (1 + pitch) + 1 + g * width,
-                 Real(along_row(faces_, cell) + 0.5) +
-                     found.moment[1] / Kokkos::max(found.moment[0], Real(1e-300)));
-    Real f[4];
-    for (int j = 0; j < 4; ++j) f[j] = spring * found.moment[j];
-    lanes_.store(force, f[0]);
-    square_[g] = square_[g] + found.square;
-    work_[g] = multiply_add(spring, found.face_work, work_[g]);
-    work_[g] = work_[g] + multiply_add(passing[1], f[0],
-                                       multiply_add(Real(2.0) * passing[2], f[1],
-                                                    Real(3.0) * passing[3] * f[2]));
-    // those of the resonator's modes by moments about the origin of its shapes: of (x + eta)^j
-    const Real f1 = multiply_add(x, f[0], f[1]), f2 = multiply_add(x, f[1] + f1, f[2]),
-               f3 = multiply_add(x, multiply_add(x, f[1] + f[1] + f1, Real(3.0) * f[2]), f[3]);
-    const Real of_path[4] = {f[0], f1, f2, f3};
-    add_modal_forces(Body::resonator, c, of_path, g);
-    add_modal_forces(Body::slider, c, f, g);
+    // displacements in the shapes' own terms: along the path, and along the slider
+    Real d[4], own[4], on_path[4], on_slider[4], length(0.0);
+    sum_modes(Body::resonator, c, d, g);
+    sum_modes(Body::slider, c, own, g);
+    for (int j = 0; j < 4; ++j) on_path[j] = on_slider[j] = Real(0.0);
+    bool any = false;
+    for (int e = group.first; e < group.end; ++e) {
+      const int cell = cells[e];
+      const CellFaces faces = cells_.faces(cell);
+      const Real away(static_cast<double>(cell - group.cell)), x = offset_[g] + away;
+      Real passing[4], moving[4];
+      shift_cubic(d, x, passing);
+      shift_cubic(own, away, moving);
+      for (int j = 0; j < 4; ++j) moving[j] = (Real(faces.own.c[j]) + passing[j]) + moving[j];
+      const Contact found =
+          contact(faces, theta_[g], moving, buffers_.ends + e * (4 * pitch) + g * width, again);
+      const int first = e * (1 + pitch) + 1 + g * width;
+      double *const force = buffers_.force + first, *const moment = buffers_.moment + first;
+      if (!found.any) {
+        lanes_.store(force, Real(0.0));
+        lanes_.store(moment, Real(0.0));
+        continue;
+      }
+      any = true;
+      Real f[4], moments[4];
+      for (int j = 0; j < 4; ++j) f[j] = spring * found.moment[j];
+      lanes_.store(force, f[0]);
+      lanes_.store(moment, multiply_add(Real(along_row(faces_, cell) + 0.5), f[0], f[1]));
+      length = length + found.length;
+      square_[g] = square_[g] + found.square;
+      work_[g] = multiply_add(spring, found.face_work, work_[g]);
+      work_[g] = work_[g] + multiply_add(passing[1], f[0],
+                                         multiply_add(Real(2.0) * passing[2], f[1],
+                                                      Real(3.0) * passing[3] * f[2]));
+      shift_moments(f, x, moments);
+      for (int j = 0; j < 4; ++j) on_path[j] = on_path[j] + moments[j];
+      shift_moments(f, away, moments);
+      for (int j = 0; j < 4; ++j) on_slider[j] = on_slider[j] + moments[j];
+    }
+    keep_spring(group.cell, spring * length, d[0] + own[0], g);
+    if (!any) return;
+    add_modal_forces(Body::resonator, c, on_path, g);
+    add_modal_forces(Body::slider, c, on_slider, g);
     contact_acts_[g] = true;
+  }
+
+  /// Keeps a spring of contact: its stiffness [N/m] and the displacement in the middle of its cell.
+  KOKKOS_FORCEINLINE_FUNCTION void keep_spring(int cell, const Real& stiffness,
+                                               const Real& displacement, int g) const {
+    double* const spring = buffers_.springs + springs_ * (2 * pitch) + g * width;
+    lanes_.store(spring, stiffness);
+    lanes_.store(spring + pitch, displacement);
+    if (lanes_.leader()) buffers_.spring_cells[springs_] = cell;
+  }
+  /// What a spring's force has changed by, and the modes' shapes where it stands; null: it carries
+  /// none.
+  struct Spring {
+    const double* shape;
+    Real force;
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Spring compressed(int i, int g) const {
+    const double* const spring = buffers_.springs + i * (2 * pitch) + g * width;
+    const Real stiffness = lanes_.load(spring);
+    if (lanes_.at_least(stiffness, 1e-300) == 0) return {nullptr, stiffness};
+    const double* const phi = cells_.shapes_of(buffers_.spring_cells[i]);
+    Real even(0.0), odd(0.0);
+    int m = 0;
+    for (const int modes = modes_.count - 1; m < modes; m += 2) {
+      even = multiply_add(Real(phi[m]), load(buffers_.u_at, m, g), even);
+      odd = multiply_add(Real(phi[m + 1]), load(buffers_.u_at, m + 1, g), odd);
+    }
+    if (m < modes_.count) even = multiply_add(Real(phi[m]), load(buffers_.u_at, m, g), even);
+    return {phi, stiffness * ((even + odd) - lanes_.load(spring + pitch))};
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_spring(const Spring& spring, int g) const {
+    for (int m = 0, modes = modes_.count; m < modes; ++m)
+      store(buffers_.contact_at, m, g,
+            multiply_add(Real(-spring.shape[m]), spring.force, load(buffers_.contact_at, m, g)));
   }
 };
 

@@ -141,24 +141,13 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     const auto excess = [&](double s) {
       return Kokkos::fma(0.5 * bound * s, s, moving.highest_after(s) - level);
     };
-    double high = motion.most - x, of_high = excess(high);
-    if (of_high < 0.0) return beyond;
     // the parabola at the highest place comes to the level no sooner than the largest of all
     const double root = Kokkos::sqrt(Kokkos::fma(rate_there, rate_there, 2.0 * bound * miss));
     const double sooner = rate_there > 0.0 ? 2.0 * miss / (root + rate_there)
                                            : (root - rate_there) / (bound + 1e-300);
-    if (sooner < high) {
-      high = sooner;
-      of_high = excess(high);
-    }
-    double low = 0.0, of_low = -miss;
-    for (int chord = 0; chord < 2; ++chord) {
-      const double s = of_high > 0.0 ? low - (high - low) * (of_low / (of_high - of_low)) : high;
-      low = s;
-      of_low = excess(s);
-      if (!(of_low < 0.0)) break;
-    }
-    const double next = x + low;
+    const double high = Kokkos::min(sooner, motion.most - x), of_high = excess(high);
+    if (of_high < 0.0 && !(sooner < motion.most - x)) return beyond;
+    const double next = x + (of_high > 0.0 ? high * (miss / (of_high + miss)) : high);
     if (!(next > x)) return x;  // as near as roundings let it come
     x = next;
   }

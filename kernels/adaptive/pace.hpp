@@ -18,10 +18,11 @@ KOKKOS_INLINE_FUNCTION double pace_change(Pace pace) {
   return pace == Pace::even ? 0.0 : pace == Pace::from_onset ? 2.0 : -2.0;
 }
 /// The x at which a share of the time has passed.
-KOKKOS_INLINE_FUNCTION double pace_x(Pace pace, double share) {
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real pace_x(Pace pace, const Real& share) {
   if (pace == Pace::even) return share;
   if (pace == Pace::from_onset) return Kokkos::sqrt(share);
-  return share / (1.0 + Kokkos::sqrt(1.0 - share));
+  return share / (Real(1.0) + Kokkos::sqrt(Real(1.0) - share));
 }
 
 }  // namespace ra2d

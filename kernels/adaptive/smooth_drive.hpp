@@ -124,7 +124,8 @@ class SmoothDrive {
         if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
       }
       // a step graded towards a release that is where it should be
-      if (pace == Pace::to_release && released > 0.99 && released <= 1.0 && !any_begins())
+      if (pace == Pace::to_release && released <= 1.0 &&
+          pace_share(pace, released) > 1.0 - step_.early_release() && !any_begins())
         course = Course::graded;
       const bool onset = first <= 1.0;
       // the motion within the step is what goes on from an onset, and else what is recorded
@@ -229,7 +230,7 @@ class SmoothDrive {
         end = 1.05 * release + 1e-3 * whole;
         then = Pace::even;
       } else if (release < 0.4 * whole && pace != Pace::from_onset) {
-        end = release;
+        end = release * (1.0 + 0.5 * step_.early_release());
         then = Pace::to_release;
       } else if (release < whole) {
         end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
@@ -245,8 +246,11 @@ class SmoothDrive {
     cut = cut || ticks < longest;
   }
   /// Whether a step at this pace suits a contact that ends at a share of its time.
-  KOKKOS_FORCEINLINE_FUNCTION static bool suits(Pace pace, double release) {
-    return pace == Pace::to_release ? Kokkos::abs(release - 1.0) < 0.005 : release >= 1.0;
+  KOKKOS_FORCEINLINE_FUNCTION bool suits(Pace pace, double release) const {
+    const double early = step_.early_release();
+    return pace == Pace::to_release
+               ? Kokkos::abs(release * (1.0 + 0.5 * early) - 1.0) < Kokkos::max(0.5 * early, 0.002)
+               : release >= 1.0;
   }
   /// Where the first of the contacts at the beginning is expected to end, as a share of the step's
   /// time; beyond 1 where none does within it.
@@ -442,43 +446,72 @@ class SmoothDrive {
     return points_.listed;
   }
 
-  /// The largest overlap in a run of cells and beside it, at x [m], and its rate [m per x].
-  struct RunOverlap {
+  /// The largest overlap in cells `first` to `last` at x [m], its rate [m per x], and in which.
+  struct LargestOverlap {
     double value, rate;
+    int cell;
   };
-  RA2D_FUNCTION RunOverlap highest_overlap(const Place& place, const CellRun& run, double x) const {
+  RA2D_FUNCTION LargestOverlap largest_overlap(const Place& place, int first, int last,
+                                               double x) const {
     const Motion motion = step_.motion(1.0);
     Real u[packs], rate[packs];
     motion.at(lanes_, x, u, rate);
     const Place there = motion.place_at(place, x);
-    RunOverlap highest{-1e300, 0.0};
+    LargestOverlap largest{-1e300, 0.0, first};
     for (int e = 0; e < cells_; ++e) {
       const int cell = points_.cells[e];
-      if (cell < run.first - 1 || cell > run.last + 1) continue;
+      if (cell < first || cell > last) continue;
       double rate_there;
       const double value =
           node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(rate_there);
-      if (value > highest.value) highest = {value, rate_there};
+      if (value > largest.value) largest = {value, rate_there, cell};
     }
-    return highest;
+    return largest;
+  }
+  /// The x between the points that a run carries force at last and at first not, up to `end`.
+  struct ReleaseBracket {
+    double low, high;
+    bool touches;  // at low
+  };
+  RA2D_FUNCTION ReleaseBracket release_bracket(const CellRun& run, double end) const {
+    int last = -1;
+    for (int e = 0; e < cells_; ++e)
+      if (points_.cells[e] >= run.first && points_.cells[e] <= run.last)
+        for (int i = last + 1; i <= last_point && step_.place(i) < end; ++i)
+          if (points_.force[e * points + i] > 0.0) last = i;
+    const double low = last < 0 ? 0.0 : step_.place(last);
+    return {low, last == last_point ? end : Kokkos::min(end, step_.place(last + 1)), last >= 0};
   }
   /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`, by
-  /// Newton's method, halving where it leaves what is left.
+  /// Newton's method, halving where it leaves what is left. In the cell that overlaps most, unless
+  /// another proves to be in contact there.
   RA2D_FUNCTION double release(const Place& place, const CellRun& run, double end,
                                double closeness) const {
-    double low = 0.0, high = end;
-    const RunOverlap at_end = highest_overlap(place, run, high);
-    if (!(at_end.value < 0.0)) return end;                  // free by no more than roundings
-    if (!(highest_overlap(place, run, low).value > 0.0)) {  // it begins here
+    const int first = run.first - 1, last = run.last + 1;
+    auto [low, high, touches] = release_bracket(run, end);
+    LargestOverlap there = largest_overlap(place, first, last, high);
+    if (!(there.value < 0.0) && high < end) there = largest_overlap(place, first, last, high = end);
+    if (!(there.value < 0.0)) return end;  // free by no more than roundings
+    if (!touches && !(largest_overlap(place, first, last, low).value > 0.0)) {  // it begins here
       low = 0.02 * end;
-      if (!(highest_overlap(place, run, low).value > 0.0)) return low;
+      if (!(largest_overlap(place, first, last, low).value > 0.0)) return low;
     }
-    double x = high - at_end.value / at_end.rate;
-    for (int i = 0; i < 60 && high - low > closeness; ++i) {
-      if (!(x > low && x < high)) x = 0.5 * (low + high);
-      const RunOverlap there = highest_overlap(place, run, x);
-      (there.value > 0.0 ? low : high) = x;
-      if (there.value == 0.0) break;
+    const double farthest = high;
+    int cell = there.cell;
+    double x = high - there.value / there.rate;
+    for (int i = 0; i < 60; ++i) {
+      if (!(high - low > closeness)) {
+        there = largest_overlap(place, first, last, high);
+        if (!(there.value > 0.0) || there.cell == cell) break;
+        cell = there.cell;
+        x = low = high;
+        high = farthest;
+      } else {
+        if (!(x > low && x < high)) x = 0.5 * (low + high);
+        there = largest_overlap(place, cell, cell, x);
+        (there.value > 0.0 ? low : high) = x;
+        if (there.value == 0.0) break;
+      }
       const double step = there.value / there.rate;
       // so near that the root is bracketed by going on a little beyond it
       x -= step + Kokkos::copysign(0.5 * closeness, step);
@@ -621,12 +654,12 @@ class SmoothDrive {
       if (!run.grown || (!run.at_end && run.ends <= from)) continue;
       double impulse = 0.0, moment = 0.0;
       if (from == 0) {
-        const double *force = points_.force + e * points, *centre = points_.centre + e * points;
+        const double *force = points_.force + e * points, *moments = points_.moment + e * points;
         for (int i = 0; i < collocation_points; ++i) {
-          const double share = weights.of[i] * step_.ticks() * force[i];
+          const double weight = weights.of[i] * step_.ticks();
           const double travelled = motion_.advance * step_.ticks() * step_.share(i);
-          impulse += share;
-          moment = Kokkos::fma(share, centre[i] + travelled, moment);
+          impulse = Kokkos::fma(weight, force[i], impulse);
+          moment = Kokkos::fma(weight, Kokkos::fma(travelled, force[i], moments[i]), moment);
         }
       }
       list_.nodes[count] = cell;
@@ -665,9 +698,13 @@ class SmoothDrive {
       lanes_.sync();
       if (!(1.02 * highest > shocks_.open[i].peak)) continue;
       const auto between = [&](double place) { return step_.between(points_.shock_force, place); };
-      Highest found =
-          highest_between(top > 0 ? step_.place(top - 1) : 0.0,
-                          top < last_point ? Kokkos::min(x, step_.place(top + 1)) : x, between);
+      const double from = top > 0 ? step_.place(top - 1) : 0.0,
+                   to = top < last_point ? Kokkos::min(x, step_.place(top + 1)) : x;
+      Highest found{highest, step_.place(top)};
+      // at an end it is, where the force falls from there
+      const bool at_end = (top == 0 && between(1e-4 * to) < highest) ||
+                          (top == last_point && between(1.0 - 1e-4 * (to - from)) < highest);
+      if (!at_end) found = highest_between(from, to, between);
       if (x < 1.0) found.take(between(x), x);
       double most = highest;
       if (found.value > highest) most = Kokkos::max(most, force_of(i, found.place));

@@ -49,9 +49,8 @@ class SmoothStep {
         forces_{forces},
         collocation_{collocation},
         node_contact_{node_contact},
-        sweeps_{lanes,   modes,    motion,
-                faces,   slider,   adaptive,
-                contact, expanded, contact_list.cell_parts,
+        sweeps_{lanes,    modes,   motion,      faces,    slider,
+                adaptive, contact, collocation, expanded, contact_list.cell_parts,
                 buffers},
         contact_list_{contact_list},
         force_series_{force_series},
@@ -74,11 +73,16 @@ class SmoothStep {
     for (int p = 0; p < filled<packs>(lanes_); ++p)
       before = before + twice_energy(p, now_.u[p], now_.v[p]);
     energy_norm_ = lanes_.sum(before) + 2.0 * energy_;
+    change_ = 1e300;
     lanes_.sync();
   }
 
   /// Begins a step of so many ticks: the first sweep, whose forces tell of contacts that end.
   RA2D_FUNCTION void begin(std::int64_t ticks, Pace pace) {
+    const double share = static_cast<double>(ticks) / ticks_;
+    const bool tells = change_ < 0.1 && share <= 1.0;  // the try before
+    const typename CollocationSweeps<Lanes, packs>::Earlier earlier{tells ? table_ : nullptr, pace_,
+                                                                    share};
     ticks_ = static_cast<double>(ticks);
     time_ = ticks_ * motion_.time_step;
     pace_ = pace;
@@ -89,7 +93,7 @@ class SmoothStep {
       lanes_.store(v + p * width, now_.v[p]);
     }
     lanes_.sync();
-    sweeps_.begin(table_, ticks_, start_, {u, v, buffers_.acceleration, begin_.jerk});
+    sweeps_.begin(table_, ticks_, start_, {u, v, buffers_.acceleration, begin_.jerk}, earlier);
     if (forces_.count > 0) sweeps_.add_moving_forces(force_series_, adaptive_.order, force_scale_);
     change_ = 1e300;
     sweep(false);
@@ -188,6 +192,7 @@ class SmoothStep {
   KOKKOS_FORCEINLINE_FUNCTION const Modes& end() const { return end_; }
   KOKKOS_FORCEINLINE_FUNCTION Pace pace() const { return pace_; }
   KOKKOS_FORCEINLINE_FUNCTION double ticks() const { return ticks_; }
+  KOKKOS_FORCEINLINE_FUNCTION double early_release() const { return collocation_.early_release; }
   KOKKOS_FORCEINLINE_FUNCTION int cells() const { return cells_; }
   /// The x of a point, and the share of the step's time at which it stands.
   KOKKOS_FORCEINLINE_FUNCTION double place(int point) const { return table_[point_places + point]; }
@@ -215,7 +220,7 @@ class SmoothStep {
         if (!(force > 0.0)) continue;
         begin_.cells[begin_.count] = buffers_.cells[e];
         begin_.forces[begin_.count] = force;
-        begin_.centres[begin_.count] = buffers_.centre[e * points + last_point];
+        begin_.centres[begin_.count] = buffers_.moment[e * points + last_point] / force;
         ++begin_.count;
       }
     }
@@ -239,7 +244,7 @@ class SmoothStep {
     }
     if (last < 0) return 0.0;
     const double low = share(last), high = last < last_point ? share(last + 1) : 4.0;
-    if (last == 0) return high;
+    if (last == 0 || !(force[last - 1] > force[last])) return high;
     // the share as a function of the depth, at none: a parabola where the three fall, else a chord
     const auto depth = [&](int i) {  // to a factor
       return Kokkos::exp2(2.0 / 3.0 * Kokkos::log2(force[i]));
@@ -375,20 +380,29 @@ class SmoothStep {
 
   /// `again`: it is not the first sweep.
   RA2D_FUNCTION void sweep(bool again) {
+    if (again) sweep_on_springs();
     sweeps_.move();
     const auto change = sweeps_.accelerate(buffers_.cells, cells_, again);
     change_before_ = change_;
     change_ = Kokkos::sqrt(change.by / Kokkos::max(Kokkos::max(energy_norm_, change.size), 1e-300));
     sweeps_made_ = again ? sweeps_made_ + 1 : 1;
   }
+  RA2D_FUNCTION void sweep_on_springs() {
+    sweeps_.move();
+    sweeps_.accelerate_on_springs();
+  }
   /// Sweeps until the error is small beside the tolerance. Whether it came to be.
   RA2D_FUNCTION bool sweep_to_end() {
-    const double close = Kokkos::max(0.02 * adaptive_.tolerance, 8.0 * 0x1p-52);
+    const double close = Kokkos::max(0.05 * adaptive_.tolerance, 8.0 * 0x1p-52);
     while (true) {
-      // the next one changes it by no larger a part of this change
-      if (sweeps_made_ > 1 && change_ * Kokkos::min(1.0, change_ / change_before_) < close) {
-        sweeps_.move();
-        return true;
+      if (sweeps_made_ > 1) {
+        // the next two sweeps change it by no larger a part of this change, and each by its root
+        const double falls = Kokkos::min(1.0, change_ / change_before_);
+        if (change_ * falls < close) {
+          if (!(change_ * Kokkos::sqrt(falls) < close)) sweep_on_springs();
+          sweeps_.move();
+          return true;
+        }
       }
       if (!(sweeps_made_ < most_sweeps)) return false;
       sweep(true);
@@ -518,7 +532,7 @@ class SmoothStep {
         while (i < count && cells[i] < buffers_.cells[e]) ++i;
         const bool in_contact = i < count && cells[i] == buffers_.cells[e];
         buffers_.force[e * points] = in_contact ? forces[i] : 0.0;
-        buffers_.centre[e * points] = in_contact ? centres[i] : 0.0;
+        buffers_.moment[e * points] = in_contact ? forces[i] * centres[i] : 0.0;
       }
     lanes_.sync();
   }

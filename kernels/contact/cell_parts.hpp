@@ -47,6 +47,9 @@ class CellParts {
   static constexpr int width = Lanes::width;
 
  public:
+  /// The last step to a root of the overlap, over the length of contact, after which it is right:
+  /// it leaves some cube of itself, and the integrals are off by the square of that.
+  static constexpr double roots_close = 1e-3;
   /// At once; two for each cell at the least.
   static constexpr int capacity = width < 2 ? 2 : width;
   /// Rows of the memory that it works in, each of `capacity` numbers.
@@ -104,8 +107,8 @@ class CellParts {
   /// Those over parts that are given in lanes: from `left` to `right`, with these cubics of overlap
   /// and resonator's face. Parts that were added are lost where it goes through add_contact.
   RA2D_FUNCTION void integrate(const Real* o, const Real* f, const Real& left, const Real& right,
-                               Integrals& sum) {
-    const std::uint32_t others = integrate_concave(o, f, left, right, sum);
+                               double close, Integrals& sum) {
+    const std::uint32_t others = integrate_concave(o, f, left, right, close, sum);
     if (others == 0) [[likely]]
       return;
     lanes_.sync();
@@ -146,12 +149,12 @@ class CellParts {
       end = if_positive(open, none, end - by_end);
       const Real by = Kokkos::max(Kokkos::abs(by_begin), Kokkos::abs(by_end)),
                  outside = Kokkos::max(Kokkos::max(left - begin, end - right), convex);
-      // each step leaves some cube of the error before it
+      // each step leaves some cube of the error before it, and the integrals are off by its square
       const auto any_beyond = [&](double share) {
         const Real found = if_positive(outside, no, if_positive(share * length - by, yes, no));
         return lanes_.at_least(if_positive(open, no, -found), 0.0) != 0;
       };
-      if (!any_beyond(1e-3)) {
+      if (!any_beyond(5e-3)) {
         const Real middle = Real(0.5) * (begin + end), half = Real(0.5) * (end - begin);
         find_integrals(o, f, middle, middle, half, sum);
         sum.low = begin;
@@ -229,7 +232,8 @@ class CellParts {
       f[j] = row(face + j, first);
     }
     Integrals sum;
-    const std::uint32_t others = integrate_concave(o, f, row(from, first), row(to, first), sum);
+    const std::uint32_t others =
+        integrate_concave(o, f, row(from, first), row(to, first), roots_close, sum);
     store_integrals(first, sum);
     lanes_.sync();
     integrate_others(others, first);
@@ -242,7 +246,8 @@ class CellParts {
   /// One bit for each part that is left to add_contact: its overlap is not concave, or a root was
   /// not found.
   RA2D_FUNCTION std::uint32_t integrate_concave(const Real* o, const Real* f, const Real& left,
-                                                const Real& right, Integrals& sum) const {
+                                                const Real& right, double close,
+                                                Integrals& sum) const {
     Real p[4];
     const Real middle = Real(0.5) * (left + right), half = Real(0.5) * (right - left), none(0.0),
                tiny(1e-300);
@@ -274,7 +279,7 @@ class CellParts {
     const Real concave = if_positive(half_curvature, Real(-1.0), Real(1.0)),
                closed = Kokkos::min(concave, if_positive(top, Real(1.0), Real(-1.0)));
     const Real seek = find_roots(q, lower, upper, if_positive(at_lower, Real(-1.0), closed),
-                                 if_positive(at_upper, Real(-1.0), closed), low, high);
+                                 if_positive(at_upper, Real(-1.0), closed), close, low, high);
     const Real centre = Real(0.5) * (low + high), h = Real(0.5) * (high - low);
     find_integrals(q, f, centre, (centre + summit) + middle, if_positive(closed, h, none), sum);
     const Real about_middle = summit + middle;
@@ -298,14 +303,13 @@ class CellParts {
   /// Improves the roots `low` and `high` of a cubic between `lower` and 0, and 0 and `upper`, where
   /// `seek_low` and `seek_high` are positive. Positive where one of them is not found.
   RA2D_FUNCTION Real find_roots(const Real* q, const Real& lower, const Real& upper, Real seek_low,
-                                Real seek_high, Real& low, Real& high) const {
+                                Real seek_high, double share, Real& low, Real& high) const {
     const Real none(0.0);
     Real seek(-1.0);
     for (int i = 0; i < 8; ++i) {
       Real by_low, by_high;
       halley_steps(q, low, high, by_low, by_high);
-      // an error e of a root changes the integrals by e^2, and the next error is some e^3
-      const Real close = Real(1e-3) * (high - low);
+      const Real close = Real(share) * (high - low);
       low = if_positive(seek_low, Kokkos::max(lower, Kokkos::min(none, low - by_low)), low);
       high = if_positive(seek_high, Kokkos::min(upper, Kokkos::max(none, high - by_high)), high);
       seek_low = if_positive(Kokkos::abs(by_low) - close, seek_low, Real(-1.0));
