@@ -159,9 +159,9 @@ class CollocationSweeps {
     return {square * lanes_.max(by), square * lanes_.max(size)};
   }
 
-  /// The same with springs for contact: since the sweep before, a force changes by the length of
-  /// its contact times what the displacement changes by. That takes a quarter of the time, and
-  /// comes nearly as far.
+  /// Accelerations as accelerate() finds them, but with springs for contact: a force changes in
+  /// proportion to the length of its contact and to the change of the displacement since then. That
+  /// takes a quarter of the time, and comes nearly as far.
   RA2D_FUNCTION void accelerate_on_springs() {
     for (int g = 0; g < groups; ++g) {
       const double* forces = buffers_.force_at;
@@ -330,10 +330,10 @@ class CollocationSweeps {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION Real acceleration(int m, int g, const Real& force) const {
-    const double omega = modes_.omega[m];
-    const Real held = multiply_add(adaptive_.decay[m], load(buffers_.v_at, m, g),
-                                   omega * omega * load(buffers_.u_at, m, g));
-    return multiply_add(adaptive_.inverse_mass[m], force, -held);
+    const Real omega(modes_.omega[m]);
+    const Real held = multiply_add(Real(adaptive_.decay[m]), load(buffers_.v_at, m, g),
+                                   omega * (omega * load(buffers_.u_at, m, g)));
+    return multiply_add(Real(adaptive_.inverse_mass[m]), force, -held);
   }
 
   /// The integrals of contact in a cell, at each point, and its length.
@@ -521,8 +521,7 @@ class CollocationSweeps {
     lanes_.store(spring + pitch, displacement);
     if (lanes_.leader()) buffers_.spring_cells[springs_] = cell;
   }
-  /// What a spring's force has changed by, and the modes' shapes where it stands; null: it carries
-  /// none.
+  /// The change of a spring's force, and the modes' shapes where it stands; null: it carries none.
   struct Spring {
     const double* shape;
     Real force;
