@@ -393,7 +393,8 @@ class SmoothStep {
   }
   /// Sweeps until the error is small beside the tolerance. Whether it came to be.
   RA2D_FUNCTION bool sweep_to_end() {
-    const double close = Kokkos::max(0.05 * adaptive_.tolerance, 8.0 * 0x1p-52);
+    // these errors add up over the steps of a lasting contact
+    const double close = Kokkos::max(1e-3 * adaptive_.tolerance, 8.0 * 0x1p-52);
     while (true) {
       if (sweeps_made_ > 1) {
         // the next two sweeps change it by no larger a part of this change, and each by its root
