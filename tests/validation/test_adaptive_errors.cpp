@@ -275,7 +275,7 @@ TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
   }
 }
 
-/// What the iteration of a step leaves of its error adds up over thousands of steps of one contact.
+/// Errors that the iteration of a step leaves add up over thousands of steps of one contact.
 TEST(AdaptiveErrors, LastingContactBetweenSmoothFacesKeepsTheTolerance) {
   for (const int seed : {25, 40, 125}) {
     SCOPED_TRACE("seed " + std::to_string(seed));
