@@ -80,7 +80,7 @@ class SmoothStep {
   /// Begins a step of so many ticks: the first sweep, whose forces tell of contacts that end.
   RA2D_FUNCTION void begin(std::int64_t ticks, Pace pace) {
     const double share = static_cast<double>(ticks) / ticks_;
-    const bool tells = change_ < 0.1 && share <= 1.0;  // the try before
+    const bool tells = change_ < 0.1 && share <= 1.0;  // the try before does
     const typename CollocationSweeps<Lanes, packs>::Earlier earlier{tells ? table_ : nullptr, pace_,
                                                                     share};
     ticks_ = static_cast<double>(ticks);
@@ -397,7 +397,8 @@ class SmoothStep {
     const double close = Kokkos::max(1e-3 * adaptive_.tolerance, 8.0 * 0x1p-52);
     while (true) {
       if (sweeps_made_ > 1) {
-        // the next two sweeps change it by no larger a part of this change, and each by its root
+        // a sweep on springs and a full one leave no larger a part of this change than the two
+        // before; one alone leaves the root of that part
         const double falls = Kokkos::min(1.0, change_ / change_before_);
         if (change_ * falls < close) {
           if (!(change_ * Kokkos::sqrt(falls) < close)) sweep_on_springs();
