@@ -155,7 +155,7 @@ struct StepStart {
   int* cells = nullptr;                          // that carry force, in ascending order
   double *forces = nullptr, *centres = nullptr;  // N; chi, where each acts on the slider
   double* acceleration = nullptr;                // of the modes
-  double* jerk = nullptr;                        // (2, lane): its first and second derivative
+  double* jerk = nullptr;                        // (3, lane): its first three derivatives
 };
 
 /// All that a march goes on from. A saved run that goes on from this gives the same bits. A
@@ -416,7 +416,7 @@ void visit_arrays(CarriedState& s, const Extents& n, Visit&& visit) {
   if (n.adaptive() && n.smooth) {
     const auto contacts = static_cast<std::size_t>(n.contacts);
     visit("acceleration", s.begin.acceleration, lanes);
-    visit("jerk", s.begin.jerk, 2 * lanes);
+    visit("jerk", s.begin.jerk, 3 * lanes);
     visit("begin_cells", s.begin.cells, contacts);
     visit("begin_forces", s.begin.forces, contacts);
     visit("begin_centres", s.begin.centres, contacts);

@@ -55,7 +55,7 @@ class CollocationSweeps {
   /// Rows of all modes at the beginning.
   struct Beginning {
     const double *u, *v, *a;
-    const double* jerk;  // first and second derivative of the accelerations
+    const double* jerk;  // the first three derivatives of the accelerations
   };
   /// A longer try of the same step, whose accelerations are still here; `share`: of its time that
   /// this one takes. Without a table: none.
@@ -83,7 +83,8 @@ class CollocationSweeps {
         store(buffers_.v_before, m, g, multiply_add(a, velocity, v));
         store(buffers_.force_at, m, g, Real(modes_.load[m]));
         if (earlier.table == nullptr) {
-          const Real rate = multiply_add(Real(0.5 * now.jerk[row + m]), time, Real(now.jerk[m]));
+          const Real second(0.5 * now.jerk[row + m]), third(1.0 / 6.0 * now.jerk[2 * row + m]);
+          const Real rate = multiply_add(multiply_add(third, time, second), time, Real(now.jerk[m]));
           store(buffers_.a_at, m, g, multiply_add(rate, time, a));
         }
       }
@@ -306,11 +307,14 @@ class CollocationSweeps {
     Real weight[groups][collocation_points];
     for (int g = 0; g < groups; ++g) {
       const Real x = pace_x(earlier.pace, earlier.share * at_points(point_shares, g));
-      Real sum(0.0);
+      Real before(1.0), after(1.0), sum(0.0);  // products of x less its places
       for (int j = 0; j < collocation_points; ++j) {
-        const Real apart = x - Real(earlier.table[point_places + j]);
-        const Real some = if_positive(Kokkos::abs(apart) - Real(1e-30), apart, Real(1e-30));
-        weight[g][j] = Real(earlier.table[barycentric_weights + j]) / some;
+        weight[g][j] = before;
+        before = before * (x - Real(earlier.table[point_places + j]));
+      }
+      for (int j = last_point; j >= 0; --j) {
+        weight[g][j] = weight[g][j] * (Real(earlier.table[barycentric_weights + j]) * after);
+        after = after * (x - Real(earlier.table[point_places + j]));
         sum = sum + weight[g][j];
       }
       const Real inverse = Real(1.0) / sum;

@@ -243,6 +243,7 @@ class SmoothStep {
         break;
     }
     if (last < 0) return 0.0;
+    if (last == last_point && pace_ != Pace::to_release) return 4.0;
     const double low = share(last), high = last < last_point ? share(last + 1) : 4.0;
     if (last == 0 || !(force[last - 1] > force[last])) return high;
     // the share as a function of the depth, at none: a parabola where the three fall, else a chord
@@ -463,28 +464,34 @@ class SmoothStep {
           -multiply_add(load_pack(lanes_, adaptive_.decay, p),
                         lanes_.load(buffers_.acceleration + p * width), omega * omega * now_.v[p]));
       lanes_.store(begin_.jerk + row + p * width, Real(0.0));
+      lanes_.store(begin_.jerk + 2 * row + p * width, Real(0.0));
     }
   }
-  /// Keeps the first and second derivative of the accelerations at x for the next step. False where
+  /// Keeps the first three derivatives of the accelerations at x for the next step. False where
   /// the motion does not tell them.
   RA2D_FUNCTION bool keep_rates(double x) const {
     const double rate = pace_rate(pace_, x), per_time = 1.0 / (rate * time_);
     if (!(rate >= 0.5)) return false;
     const double slowing = pace_change(pace_) / rate;
-    const Real at(x);
+    const Real at(x), once(-slowing), thrice(-3.0 * slowing), six_times(-6.0 * slowing),
+        squared(15.0 * slowing * slowing);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real first(0.0), second(0.0), third(0.0);
+      Real d1(0.0), d2(0.0), d3(0.0), d4(0.0);  // of the velocity, in x
       for (int m = motion_terms - 1; m >= 1; --m) {
         const Real c = Real(static_cast<double>(m)) * lanes_.load(buffers_.v + m * row + p * width);
-        first = multiply_add(first, at, c);
-        if (m >= 2) second = multiply_add(second, at, Real(m - 1.0) * c);
-        if (m >= 3) third = multiply_add(third, at, Real((m - 1.0) * (m - 2.0)) * c);
+        d1 = multiply_add(d1, at, c);
+        if (m >= 2) d2 = multiply_add(d2, at, Real(m - 1.0) * c);
+        if (m >= 3) d3 = multiply_add(d3, at, Real((m - 1.0) * (m - 2.0)) * c);
+        if (m >= 4) d4 = multiply_add(d4, at, Real((m - 1.0) * (m - 2.0) * (m - 3.0)) * c);
       }
-      const Real bent = multiply_add(Real(-slowing), first, second);
-      lanes_.store(begin_.jerk + p * width, (per_time * per_time) * bent);
-      lanes_.store(
-          begin_.jerk + row + p * width,
-          (per_time * per_time * per_time) * multiply_add(Real(-3.0 * slowing), bent, third));
+      const Real bent = multiply_add(once, d1, d2);
+      const Real in_time[] = {bent, multiply_add(thrice, bent, d3),
+                              multiply_add(six_times, d3, multiply_add(squared, bent, d4))};
+      double power = per_time;
+      for (int j = 0; j < 3; ++j) {
+        power *= per_time;
+        lanes_.store(begin_.jerk + j * row + p * width, power * in_time[j]);
+      }
     }
     return true;
   }
