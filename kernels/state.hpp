@@ -141,7 +141,9 @@ struct StepControl {
   int shape_terms = 2;      // of the shapes at a node, which the latest step with contact needed
   double series_scale = 0;  // s, guess at the length of the next step with forces
   int flight_level = 0;     // of the next flight: 2^level ticks
-  bool contact_begins = false;  // smooth faces: at the beginning of the next step
+  // smooth faces
+  bool contact_begins = false;   // at the beginning of the next step
+  double expected_onset = 1e300;  // s after it: of the next contact that begins
 };
 
 /// Form::adaptive, smooth faces: what the next step in contact starts with, as the step before it
@@ -316,6 +318,7 @@ struct PointBuffers {
   double* force = nullptr;  // N, (cell, first point, points)
   double* moment = nullptr;       // N chi, (cell, first point, points): of it, along the slider
   double* shock_force = nullptr;  // N, (point): of one shock
+  double* highest = nullptr;      // m, (first point, points): overlap anywhere in one cell
   double* ends = nullptr;         // of contact: (cell, side, 2, points)
   double* springs = nullptr;      // (spring, 2, points): stiffness [N/m], displacement [m]
   int* spring_cells = nullptr;    // in whose middle they stand
@@ -499,6 +502,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("spring_energy", s.points.spring_energy, points);
     visit("point_power", s.points.power, 2 * (1 + points));
     visit("shock_force", s.points.shock_force, std::size_t{collocation_points});
+    visit("highest", s.points.highest, std::size_t{1 + point_row});
     visit("point_cells", s.points.cells, contacts);
     visit("point_force", s.points.force, contacts * (1 + points));
     visit("point_moment", s.points.moment, contacts * (1 + points));

@@ -219,11 +219,13 @@ class CollocationSweeps {
     return buffers_.listed;
   }
 
-  /// The first point at which the overlap anywhere in a cell comes to `level` [m]; beyond the last
-  /// where none does.
+  /// Finds the largest overlap anywhere in a cell at each point but the first
+  /// (PointBuffers::highest) [m]. Returns the first at which it comes to `level`; beyond the last
+  /// where it does at none.
   RA2D_FUNCTION int first_point_over(int cell, double level) const {
     const CellFaces faces = cells_.faces(cell);
-    for (int g = 0; g < groups; ++g) {
+    int point = 1 + last_point;
+    for (int g = groups - 1; g >= 0; --g) {
       Real most(-1e300);
       Real passing[4], moving[4];
       move_cell(cell, faces, g, passing, moving);
@@ -236,13 +238,14 @@ class CollocationSweeps {
         most = Kokkos::max(most, side == 0 ? highest_between(o, Real(-0.5), knot)
                                            : highest_between(o, knot, Real(0.5)));
       }
+      lanes_.store(buffers_.highest + 1 + g * width, most);
       const std::uint32_t over = lanes_.at_least(most, level);
       if (over != 0) {
-        const int point = 1 + g * width + Kokkos::Experimental::countr_zero_builtin(over);
-        if (point <= last_point) return point;
+        const int first = 1 + g * width + Kokkos::Experimental::countr_zero_builtin(over);
+        if (first <= last_point) point = first;
       }
     }
-    return 1 + last_point;
+    return point;
   }
 
   /// Writes velocities and accelerations of the points as rows of modes, their displacement at the

@@ -97,11 +97,17 @@ class SmoothDrive {
     if (!list_cells(place)) return Outcome::crowded;
 
     bool cut = false;  // shorter than the error control asks for
+    const double uncut = static_cast<double>(ticks);
+    const double until = 1.1 * control_.expected_onset / motion_.time_step;
+    if (until < static_cast<double>(ticks)) {
+      ticks = static_cast<std::int64_t>(until)+1;
+      cut = true;
+    }
     if (ticks < available && 2 * ticks > available) {
       ticks = available / 2 + 1;
       cut = true;
     }
-    plan(ticks, pace, cut);
+    plan(ticks, pace, cut, uncut);
     cut = cut || ticks == available;
     double next = 0.0;  // s, what it asks for
     while (true) {
@@ -200,6 +206,7 @@ class SmoothDrive {
   int capacity_;
   SmoothStep<Lanes, packs>& step_;
   int cells_ = 0, flagged_ = 0;
+  double expected_onset_ = 1e300;
   double rounding_ = 0.0;  // m, bound on that of an overlap at the beginning
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
@@ -209,10 +216,10 @@ class SmoothDrive {
   /// Begins a step of `ticks` or less, without the cells that stay open. Should contact begin in
   /// one of these, search() finds it. Where the first two sweeps show that a contact ends within
   /// it, the step is made to end there, if that is near, or else at half the time.
-  RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, bool& cut) {
+  RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, bool& cut, double uncut) {
     constexpr int most_tries = 3;
     const std::int64_t longest = ticks;
-    const double whole = static_cast<double>(longest);
+    const double whole = uncut;
     for (int i = 0; i < most_tries; ++i) {
       step_.begin(ticks, pace);
       cells_ = step_.leave_out_open();
@@ -235,7 +242,7 @@ class SmoothDrive {
       } else if (release < whole) {
         end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
       }
-      const std::int64_t planned = end < whole ? static_cast<std::int64_t>(end) + 1 : longest;
+      const std::int64_t planned = end < static_cast<double>(longest) ? static_cast<std::int64_t>(end) + 1 : longest;
       if (planned == ticks && then == pace) break;
       ticks = planned;
       pace = then;
@@ -279,6 +286,7 @@ class SmoothDrive {
     const auto b = motion.bounds(lanes_, bounds_, motion_.spacing);
     const double size = bound(bounds_.largest_shape, now.u) + b.travel;
     flagged_ = 0;
+    expected_onset_ = 1e300;
     if (!(size < 1e300)) return 3.0;
     const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
     const double rise = overlaps_.longest_rise(now.u, bounds, ticks);
@@ -301,11 +309,22 @@ class SmoothDrive {
     flagged_ = overlaps_.keep_close_at_points(
         bounds_there, flagged_, rounding_, [&](int cell, double level) {
           const int point = step_.first_point_over(cell, level);
+          if (!is_beside_contact(cell)) {
+            const double onset = step_.expected_onset();
+            if (onset > 0.0 && onset < expected_onset_) expected_onset_ = onset;
+          }
           return point > last_point ? 2.0 : step_.place(point - 1);
         });
     if (flagged_ == 0) return 3.0;
     if (!overlaps_.has_room(flagged_)) return -1.0;
     return overlaps_.search_cells(motion, b.curvature, place, flagged_, rounding_, false);
+  }
+
+  RA2D_FUNCTION bool is_beside_contact(int cell) const {
+    bool beside = false;
+    for (int c = 0; c < set_.count; ++c)
+      beside = beside || (set_.nodes[c] >= cell - 1 && set_.nodes[c] <= cell + 1);
+    return beside;
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
@@ -351,6 +370,7 @@ class SmoothDrive {
     lanes_.sync();
     if (lanes_.leader()) {
       control_.contact_begins = onset;
+      control_.expected_onset = onset ? 1e300 : expected_onset_;
       control_.series_scale = Kokkos::min(next, adaptive_.longest_scale);
     }
     lanes_.sync();

@@ -266,6 +266,18 @@ class SmoothStep {
   RA2D_FUNCTION int first_point_over(int cell, double level) const {
     return sweeps_.first_point_over(cell, level);
   }
+  /// When the cell of first_point_over() is expected to come into contact after the step [s]: as
+  /// the parabola through its overlap at three points goes on. Negative or not a number where that
+  /// tells none.
+  RA2D_FUNCTION double expected_onset() const {
+    lanes_.sync();
+    const double *const o = buffers_.highest, s0 = share(4), s1 = share(6);
+    const double first = (o[6] - o[4]) / (s1 - s0), second = (o[8] - o[6]) / (1.0 - s1),
+                 bend = (second - first) / (1.0 - s0);
+    const double rate = Kokkos::fma(bend, 1.0 - s1, second);
+    lanes_.sync();
+    return -2.0 * o[8] / (rate + Kokkos::sqrt(Kokkos::fma(rate, rate, -4.0 * bend * o[8]))) * time_;
+  }
   /// The most that two neighbouring points are apart in x.
   KOKKOS_FORCEINLINE_FUNCTION double longest_interval() const {
     return place(last_point / 2) - place(last_point / 2 - 1);
