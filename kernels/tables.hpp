@@ -126,8 +126,10 @@ inline constexpr int paces = 3;
 /// First rows of one number for each point but the first, padded for any number of lanes:
 inline constexpr int point_row = 32;
 inline constexpr int point_shares = 0;  // of the step's time
+/// an eighth of the square of the longer of the intervals beside it, in x,
+inline constexpr int point_sags = point_shares + point_row;
 /// row j: weights of f_j in y there,
-inline constexpr int velocity_columns = point_shares + point_row;
+inline constexpr int velocity_columns = point_sags + point_row;
 /// and in the integral of y: those weights of these weights
 inline constexpr int displacement_columns = velocity_columns + collocation_points * point_row;
 /// Then, of one number for each point:

@@ -94,6 +94,12 @@ void fill_collocation(double* table) {
       number(point_places, j) = x;
       if (j > 0) table[point_shares + j - 1] = pace_share(static_cast<Pace>(pace), x);
     }
+    for (int j = 1; j <= degree; ++j) {
+      const Real before = points[j] - points[j - 1],
+                 after = j < degree ? points[j + 1] - points[j] : Real(0),
+                 longer = std::max(before, after) / 2;
+      table[point_sags + j - 1] = static_cast<double>(longer * longer / 8);
+    }
     for (int j = 0; j <= degree; ++j) {
       const auto of_degree = [&](int k) {
         return static_cast<double>(coefficients[k][j] * rate[j]);

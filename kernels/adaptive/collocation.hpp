@@ -219,13 +219,18 @@ class CollocationSweeps {
     return buffers_.listed;
   }
 
-  /// Finds the largest overlap anywhere in a cell at each point but the first
-  /// (PointBuffers::highest) [m]. Returns the first at which it comes to `level`; beyond the last
-  /// where it does at none.
-  RA2D_FUNCTION int first_point_over(int cell, double level) const {
+  KOKKOS_FORCEINLINE_FUNCTION CellFaces faces(int cell) const { return cells_.faces(cell); }
+  /// The largest overlap anywhere in a cell at each point but the first (PointBuffers::highest)
+  /// [m], and the first and the last of these points beside which it may come to `level` within the
+  /// step, given a bound on its second derivative [m per x^2]: between two points it is at most the
+  /// larger of both and interval^2/8 of that. `last` < `first`: it may beside none.
+  struct PointRange {
+    int first, last;
+  };
+  RA2D_FUNCTION PointRange points_near(int cell, double second, double level) const {
     const CellFaces faces = cells_.faces(cell);
-    int point = 1 + last_point;
-    for (int g = groups - 1; g >= 0; --g) {
+    PointRange near{1 + last_point, 0};
+    for (int g = 0; g < groups; ++g) {
       Real most(-1e300);
       Real passing[4], moving[4];
       move_cell(cell, faces, g, passing, moving);
@@ -239,13 +244,17 @@ class CollocationSweeps {
                                            : highest_between(o, knot, Real(0.5)));
       }
       lanes_.store(buffers_.highest + 1 + g * width, most);
-      const std::uint32_t over = lanes_.at_least(most, level);
-      if (over != 0) {
-        const int first = 1 + g * width + Kokkos::Experimental::countr_zero_builtin(over);
-        if (first <= last_point) point = first;
-      }
+      std::uint32_t over =
+          lanes_.at_least(multiply_add(at_points(point_sags, g), Real(second), most), level);
+      const int left = last_point - g * width;
+      if (left < width) over &= (1u << left) - 1u;
+      if (over == 0) continue;
+      const int before = 1 + g * width;
+      near.first =
+          Kokkos::min(near.first, before + Kokkos::Experimental::countr_zero_builtin(over));
+      near.last = before + Kokkos::Experimental::bit_width_builtin(over) - 1;
     }
-    return point;
+    return near;
   }
 
   /// Writes velocities and accelerations of the points as rows of modes, their displacement at the

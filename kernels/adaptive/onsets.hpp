@@ -110,9 +110,14 @@ struct PolynomialMotion {
   }
 };
 
-/// Where the overlap anywhere in a cell first comes to within `noise` of `level` from the x `from`
-/// on, while the modes follow `motion` from `start` on: the x; beyond motion.most where it never
-/// does. `curvature`: of PolynomialMotion::bounds.
+/// A stretch of a motion, in its x.
+struct Stretch {
+  double from, to;
+};
+
+/// Where the overlap anywhere in a cell first comes to within `noise` of `level` in a stretch of
+/// `motion`, which the modes follow from `start` on: the x; beyond motion.most where it never does.
+/// `curvature`: of PolynomialMotion::bounds.
 ///
 /// Nothing is stepped over. At each place the overlap is at most the parabola through its value and
 /// rate whose second derivative is the bound K. The largest of these parabolas over the cell is a
@@ -122,11 +127,11 @@ template <class Lanes, int packs>
 RA2D_FUNCTION double first_contact(const Lanes& lanes,
                                    const NodeContact<Lanes, packs>& node_contact,
                                    const PolynomialMotion<Lanes, packs>& motion, const Place& start,
-                                   int cell, double from, double curvature, double level,
-                                   double noise) {
+                                   int cell, const Stretch& stretch, double curvature,
+                                   double level, double noise) {
   using Real = typename Lanes::Real;
   const double beyond = 2.0 * motion.most + 1.0, slide_rate = motion.most_slide_rate();
-  double x = from;
+  double x = stretch.from;
   for (int i = 0; i < 200; ++i) {
     Real u[packs], rate[packs];
     motion.at(lanes, x, u, rate);
@@ -136,8 +141,8 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     const double miss = level - moving.highest(rate_there);
     if (!(miss > noise)) return x;
     const double bound =
-        Kokkos::fma(slide_rate * slide_rate, moving.curvature,
-                    Kokkos::fma(motion.change_of_slide_rate(), moving.slope, curvature));
+        Kokkos::fma(slide_rate * slide_rate, moving.steepness.curvature,
+                    Kokkos::fma(motion.change_of_slide_rate(), moving.steepness.slope, curvature));
     const auto excess = [&](double s) {
       return Kokkos::fma(0.5 * bound * s, s, moving.highest_after(s) - level);
     };
@@ -145,8 +150,8 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     const double root = Kokkos::sqrt(Kokkos::fma(rate_there, rate_there, 2.0 * bound * miss));
     const double sooner = rate_there > 0.0 ? 2.0 * miss / (root + rate_there)
                                            : (root - rate_there) / (bound + 1e-300);
-    const double high = Kokkos::min(sooner, motion.most - x), of_high = excess(high);
-    if (of_high < 0.0 && !(sooner < motion.most - x)) return beyond;
+    const double high = Kokkos::min(sooner, stretch.to - x), of_high = excess(high);
+    if (of_high < 0.0 && !(sooner < stretch.to - x)) return beyond;
     const double next = x + (of_high > 0.0 ? high * (miss / (of_high + miss)) : high);
     if (!(next > x)) return x;  // as near as roundings let it come
     x = next;

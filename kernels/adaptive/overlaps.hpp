@@ -227,7 +227,7 @@ class Overlaps {
     if (faces_.smooth) [[unlikely]] {
       const PolynomialMotion<Lanes, packs> motion = series.motion(end);
       return search_cells(motion, motion.bounds(lanes_, bounds_, motion_.spacing).curvature, place,
-                          flagged, tolerance, true);
+                          flagged, tolerance);
     }
     if (!series.expand_nodes(place, listed_nodes_, flagged)) [[unlikely]]
       return -1.0;
@@ -330,59 +330,53 @@ class Overlaps {
   /// of those left, or no_room.
   RA2D_FUNCTION int keep_close(const End& start, const End& end, int flagged, double modes_left_out,
                                double slide_rate, double change, double tolerance) const {
-    return keep_those(start, flagged, [&](int cell) {
+    return keep_those(start.place, flagged, [&](int cell) {
       const MovingCell before = moving_cell(cell, start);
       const double free =
           0.5 * tolerance - modes_left_out -
-          (slide_rate * slide_rate * before.curvature + change * before.slope) / 3.0;
+          (slide_rate * slide_rate * before.steepness.curvature + change * before.steepness.slope) /
+              3.0;
       if (before.highest_after(0.0) >= free || before.highest_after(1.0 / 3.0) >= free) return true;
       const MovingCell after = moving_cell(cell, end);
       return after.highest_after(0.0) >= free || after.highest_after(-1.0 / 3.0) >= free;
     });
   }
-  /// The beginning of a step between smooth faces, and bounds on its motion.
-  struct StepBounds {
-    End start;
-    double interval;    // in x, between two points at which overlaps are found
-    double curvature;   // m per x^2: bound on the modes' second derivative
-    double slide_rate;  // chi per x: the most that the slider moves at
-    double change;      // chi per x^2: the most that this changes by
-  };
-  /// Takes out of the listed cells those that stay open over a step as their overlaps at its points
-  /// show. Between two points an overlap is at most the larger of both and interval^2 / 8 of its
-  /// second derivative. `clear_until`: the x up to which a cell stays below a level [m] at all
-  /// points, but for the beginning; beyond 1 at all. OnsetSearch::onsets gets the x that the search
-  /// of each of the others begins at. Returns the number of those left, or no_room.
-  template <class ClearUntil>
-  RA2D_FUNCTION int keep_close_at_points(const StepBounds& step, int flagged, double tolerance,
-                                         const ClearUntil& clear_until) const {
+  /// Where contact first begins in the listed cells along the `motion` of a step from `place` on;
+  /// beyond 1 where none does. Leaves those cells in which one does, with its x in
+  /// OnsetSearch::onsets; `flagged`: their number, or no_room. `near`: of a cell and a level [m],
+  /// the stretch within which alone its overlap may come to that level; one that begins beyond 1
+  /// where there is none.
+  template <class Near>
+  RA2D_FUNCTION double search_near(const PolynomialMotion<Lanes, packs>& motion, double curvature,
+                                   const Place& place, int& flagged, double tolerance,
+                                   const Near& near) const {
+    double first = 2.0 * motion.most + 1.0;
     int kept = 0;
-    return keep_those(step.start, flagged, [&](int cell) {
-      const MovingCell before = moving_cell(cell, step.start);
-      const double second = Kokkos::fma(step.slide_rate * step.slide_rate, before.curvature,
-                                        Kokkos::fma(step.change, before.slope, step.curvature));
+    flagged = keep_those(place, flagged, [&](int cell) {
       // sums over the modes, one after the other, round more than those over lanes
-      const double level = -4.0 * tolerance - 0.125 * step.interval * step.interval * second;
-      const double from = before.highest_after(0.0) >= level ? 0.0 : clear_until(cell, level);
-      if (from > 1.0) return false;
-      if (lanes_.leader()) search_.onsets[kept] = from;
+      const Stretch stretch = near(cell, -4.0 * tolerance);
+      if (stretch.from > 1.0) return false;
+      const double x = first_contact(lanes_, node_contact_, motion, place, cell, stretch, curvature,
+                                     tolerance, 0.25 * tolerance);
+      if (x > motion.most) return false;
+      if (lanes_.leader()) search_.onsets[kept] = x;
       ++kept;
+      if (x < first) first = x;
       return true;
     });
+    return first;
   }
 
-  /// As search(), along a motion from `place` on, in the listed cells; unless `from_start`, in each
-  /// from the x in OnsetSearch::onsets on.
+  /// As search(), along a motion from `place` on, in the listed cells.
   RA2D_FUNCTION double search_cells(const PolynomialMotion<Lanes, packs>& motion, double curvature,
-                                    const Place& place, int flagged, double tolerance,
-                                    bool from_start) const {
+                                    const Place& place, int flagged, double tolerance) const {
     if (!node_contact_.expand(place, listed_nodes_, flagged)) [[unlikely]]
       return -1.0;
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
-      const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
-                                     from_start ? 0.0 : search_.onsets[e], curvature, tolerance,
-                                     0.25 * tolerance);
+      const double x =
+          first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e], {0.0, motion.most},
+                        curvature, tolerance, 0.25 * tolerance);
       lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;
@@ -397,8 +391,8 @@ class Overlaps {
   }
   /// Leaves those of the listed cells that are `close`. Returns their number, or no_room.
   template <class Close>
-  RA2D_FUNCTION int keep_those(const End& start, int listed, const Close& close) const {
-    if (!node_contact_.expand(start.place, listed_nodes_, listed)) [[unlikely]]
+  RA2D_FUNCTION int keep_those(const Place& place, int listed, const Close& close) const {
+    if (!node_contact_.expand(place, listed_nodes_, listed)) [[unlikely]]
       return no_room;
     int kept = 0;
     for (int e = 0; e < listed; ++e) {

@@ -298,26 +298,16 @@ class SmoothDrive {
     if (!overlaps_.has_room(flagged)) return -1.0;
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;
-    Real u[packs], rate[packs];
-    motion.at(lanes_, 0.0, u, rate);
-    const typename Overlaps<Lanes, packs>::StepBounds bounds_there{
-        {place, u, rate, motion.slide_rate(0.0)},
-        step_.longest_interval(),
-        b.curvature,
-        motion.most_slide_rate(),
-        motion.change_of_slide_rate()};
-    flagged_ = overlaps_.keep_close_at_points(
-        bounds_there, flagged_, rounding_, [&](int cell, double level) {
-          const int point = step_.first_point_over(cell, level);
+    const double first = overlaps_.search_near(
+        motion, b.curvature, place, flagged_, rounding_, [&](int cell, double level) {
+          const Stretch stretch = step_.near(cell, b.curvature, level);
           if (!is_beside_contact(cell)) {
             const double onset = step_.expected_onset();
             if (onset > 0.0 && onset < expected_onset_) expected_onset_ = onset;
           }
-          return point > last_point ? 2.0 : step_.place(point - 1);
+          return stretch;
         });
-    if (flagged_ == 0) return 3.0;
-    if (!overlaps_.has_room(flagged_)) return -1.0;
-    return overlaps_.search_cells(motion, b.curvature, place, flagged_, rounding_, false);
+    return overlaps_.has_room(flagged_) ? first : -1.0;
   }
 
   RA2D_FUNCTION bool is_beside_contact(int cell) const {

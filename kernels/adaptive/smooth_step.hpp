@@ -28,6 +28,7 @@ template <class Lanes, int packs>
 class SmoothStep {
   using Real = typename Lanes::Real;
   using Modes = ModalState<Lanes, packs>;
+  using Motion = PolynomialMotion<Lanes, packs>;
   static constexpr int width = Lanes::width, row = packs * width;
   static constexpr int points = 1 + padded_points(width);  // of a cell's numbers
   static constexpr int most_sweeps = 24;
@@ -261,12 +262,23 @@ class SmoothStep {
     }
     return Kokkos::max(low, Kokkos::min(high, end));
   }
-  /// The first point but that at the beginning at which the overlap anywhere in an expanded cell
-  /// comes to `level` [m]; beyond the last where none does.
-  RA2D_FUNCTION int first_point_over(int cell, double level) const {
-    return sweeps_.first_point_over(cell, level);
+  /// The stretch of the step within which alone the overlap anywhere in an expanded cell may come
+  /// to `level` [m]; one that begins beyond 1 where there is none. `curvature`: of the motion
+  /// (PolynomialMotion::bounds).
+  RA2D_FUNCTION Stretch near(int cell, double curvature, double level) const {
+    const Motion moving = motion(1.0);
+    const double rate = moving.most_slide_rate(), interval = place(1);
+    const auto [slope, bend] = sweeps_.faces(cell).steepness();
+    const double second = Kokkos::fma(
+        rate * rate, bend, Kokkos::fma(moving.change_of_slide_rate(), slope, curvature));
+    const auto [first, last] = sweeps_.points_near(cell, second, level);
+    const bool at_once = first == 1 || Kokkos::fma(0.125 * interval * interval, second,
+                                                   node_contact_.highest(cell, start_, now_.u)) >=
+                                           level;
+    if (last < first) return at_once ? Stretch{0.0, interval} : Stretch{2.0, 2.0};
+    return {at_once ? 0.0 : place(first - 1), last == last_point ? 1.0 : place(last + 1)};
   }
-  /// When the cell of first_point_over() is expected to come into contact after the step [s]: as
+  /// When the cell of near() is expected to come into contact after the step [s]: as
   /// the parabola through its overlap at three points goes on. Negative or not a number where that
   /// tells none.
   RA2D_FUNCTION double expected_onset() const {
@@ -277,10 +289,6 @@ class SmoothStep {
     const double rate = Kokkos::fma(bend, 1.0 - s1, second);
     lanes_.sync();
     return -2.0 * o[8] / (rate + Kokkos::sqrt(Kokkos::fma(rate, rate, -4.0 * bend * o[8]))) * time_;
-  }
-  /// The most that two neighbouring points are apart in x.
-  KOKKOS_FORCEINLINE_FUNCTION double longest_interval() const {
-    return place(last_point / 2) - place(last_point / 2 - 1);
   }
   /// The polynomial through a value at each point, at x.
   RA2D_FUNCTION double between(const double* values, double x) const {
@@ -296,7 +304,7 @@ class SmoothStep {
     return sum / of_weights;
   }
   /// The motion up to x, a polynomial.
-  KOKKOS_FORCEINLINE_FUNCTION PolynomialMotion<Lanes, packs> motion(double x) const {
+  KOKKOS_FORCEINLINE_FUNCTION Motion motion(double x) const {
     return {buffers_.u, motion_terms - 1, pace_, motion_.advance * ticks_, x};
   }
   KOKKOS_FORCEINLINE_FUNCTION Place place_at_share(double share) const {

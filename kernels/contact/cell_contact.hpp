@@ -208,6 +208,24 @@ KOKKOS_INLINE_FUNCTION void add_contact(const Cubic& overlap, const Cubic& face,
 /// of the resonator's that pass it, each about its left node.
 struct CellFaces {
   Cubic own, passing[2];
+
+  /// Bounds on the resonator's slope and its second derivative along these pieces [m].
+  struct Steepness {
+    double slope, curvature;
+  };
+  KOKKOS_FORCEINLINE_FUNCTION Steepness steepness() const {
+    Steepness most{0.0, 0.0};
+    for (int side = 0; side < 2; ++side) {
+      const double* const c = passing[side].c;
+      most.slope = Kokkos::max(most.slope, Kokkos::abs(c[1]) + 2.0 * Kokkos::abs(c[2]) +
+                                               3.0 * Kokkos::abs(c[3]));
+      // a cubic's second derivative is largest at an end
+      const double left = 2.0 * c[2], right = Kokkos::fma(6.0, c[3], left);
+      most.curvature =
+          Kokkos::max(most.curvature, Kokkos::max(Kokkos::abs(left), Kokkos::abs(right)));
+    }
+    return most;
+  }
 };
 
 }  // namespace ra2d

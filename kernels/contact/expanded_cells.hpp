@@ -22,6 +22,10 @@ struct CellOverlap {
 
   KOKKOS_FORCEINLINE_FUNCTION double from(int i) const { return i == 0 ? -0.5 : knot; }
   KOKKOS_FORCEINLINE_FUNCTION double to(int i) const { return i == 0 ? knot : 0.5; }
+  KOKKOS_FORCEINLINE_FUNCTION double highest() const {
+    return Kokkos::max(highest_on(side[0], from(0), to(0)).value,
+                       highest_on(side[1], from(1), to(1)).value);
+  }
 };
 
 /// Rows of an expanded cell (expand_cell).

@@ -12,9 +12,8 @@ namespace ra2d {
 /// The overlap along a cell, and its rate, on each side of the resonator's node within the cell.
 struct MovingCell {
   Cubic overlap[2], rate[2];
-  double knot;       // the place of that node
-  double curvature;  // m: the largest |h_2''| chi^2 of the two pieces
-  double slope;      // m: bound on |h_2'| chi there
+  double knot;  // the place of that node
+  CellFaces::Steepness steepness;
 
   /// The largest overlap, and its rate at that place.
   RA2D_FUNCTION double highest(double& rate_there) const {

@@ -139,6 +139,12 @@ class NodeContact {
   /// Rise of the resonator's face to its next node [m].
   KOKKOS_FORCEINLINE_FUNCTION double rise(int node) const { return rise_at(slot(node)); }
 
+  /// Smooth faces: the largest overlap along an expanded cell at the displacements u [m].
+  RA2D_FUNCTION double highest(int cell, const Place& place, const Real* u) const {
+    Real phi[4][packs];
+    cells_.shapes(cell, place.offset, phi);
+    return cells_.overlap(cell, place.theta, cells_.displacement(phi, u)).highest();
+  }
   /// Smooth faces: the overlap along an expanded cell at the displacements u, and its rate where
   /// these change by `rate` and the slider moves by `slide_rate` [chi].
   RA2D_FUNCTION MovingCell moving_cell(int cell, const Place& place, const Real* u,
@@ -167,23 +173,14 @@ class NodeContact {
     const CellFaces faces = cells_.faces(cell);
     MovingCell moving;
     moving.knot = 0.5 - place.theta;
-    moving.curvature = moving.slope = 0.0;
+    moving.steepness = faces.steepness();
     for (int side = 0; side < 2; ++side) {
-      const Cubic& piece = faces.passing[side];
-      const Cubic face = piece.about(place.theta + 0.5 - side);
+      const Cubic face = faces.passing[side].about(place.theta + 0.5 - side);
       moving.overlap[side] = faces.own + displacement + face;
       const double passing[4] = {d1 + face.c[1], 2.0 * (d2 + face.c[2]), 3.0 * (d3 + face.c[3]),
                                  0.0};
       for (int j = 0; j < 4; ++j)
         moving.rate[side].c[j] = Kokkos::fma(slide_rate, passing[j], modes.c[j]);
-      // a cubic's second derivative is largest at an end
-      const double left = 2.0 * piece.c[2];
-      moving.curvature = Kokkos::max(
-          moving.curvature,
-          Kokkos::max(Kokkos::abs(left), Kokkos::abs(Kokkos::fma(6.0, piece.c[3], left))));
-      moving.slope =
-          Kokkos::max(moving.slope, Kokkos::abs(piece.c[1]) + 2.0 * Kokkos::abs(piece.c[2]) +
-                                        3.0 * Kokkos::abs(piece.c[3]));
     }
     return moving;
   }
