@@ -143,7 +143,8 @@ struct StepControl {
   int flight_level = 0;     // of the next flight: 2^level ticks
   // smooth faces
   bool contact_begins = false;   // at the beginning of the next step
-  double expected_onset = 1e300;  // s after it: of the next contact that begins
+  // s after it: when the next contact is expected to begin, and to end
+  double expected_onset = 1e300, expected_release = 1e300;
 };
 
 /// Form::adaptive, smooth faces: what the next step in contact starts with, as the step before it

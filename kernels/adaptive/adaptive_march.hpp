@@ -473,6 +473,7 @@ class AdaptiveMarch {
     if (lanes_.leader()) {
       state_.carried.control.contact_begins = true;
       state_.carried.control.expected_onset = 1e300;
+      state_.carried.control.expected_release = 1e300;
       state_.carried.begin.knows_forces = state_.carried.begin.knows_rates = false;
     }
     lanes_.sync();

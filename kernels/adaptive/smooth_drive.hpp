@@ -219,7 +219,8 @@ class SmoothDrive {
   RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, bool& cut, double uncut) {
     constexpr int most_tries = 3;
     const std::int64_t longest = ticks;
-    const double whole = uncut;
+    const double expected = control_.expected_release / motion_.time_step;
+    if (expected > 0.02 * uncut && expected < 0.4 * uncut) aim(expected, longest, uncut, ticks, pace);
     for (int i = 0; i < most_tries; ++i) {
       step_.begin(ticks, pace);
       cells_ = step_.leave_out_open();
@@ -229,28 +230,33 @@ class SmoothDrive {
         share = expected_release();
         if (suits(pace, share)) break;
       }
-      const double release = share * static_cast<double>(ticks);
-      double end = whole;
-      Pace then = pace == Pace::to_release ? Pace::even : pace;
-      if (release < 0.02 * whole) {
-        // what ends sooner is within the force's roundings, or so
-        end = 1.05 * release + 1e-3 * whole;
-        then = Pace::even;
-      } else if (release < 0.4 * whole && pace != Pace::from_onset) {
-        end = release * (1.0 + 0.5 * step_.early_release());
-        then = Pace::to_release;
-      } else if (release < whole) {
-        end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
-      }
-      const std::int64_t planned = end < static_cast<double>(longest) ? static_cast<std::int64_t>(end) + 1 : longest;
-      if (planned == ticks && then == pace) break;
-      ticks = planned;
-      pace = then;
+      const std::int64_t tried = ticks;
+      const Pace before = pace;
+      aim(share * static_cast<double>(ticks), longest, uncut, ticks, pace);
+      if (ticks == tried && pace == before) break;
       if (pace == Pace::to_release && i + 1 < most_tries) continue;
       step_.begin(ticks, pace);
       break;
     }
     cut = cut || ticks < longest;
+  }
+  /// The length and the pace of a step, of `longest` ticks at the most, in which a contact is
+  /// expected to end after `release` ticks; `whole`: ticks that the error control allows.
+  RA2D_FUNCTION void aim(double release, std::int64_t longest, double whole, std::int64_t& ticks,
+                         Pace& pace) const {
+    double end = whole;
+    if (pace == Pace::to_release) pace = Pace::even;
+    if (release < 0.02 * whole) {
+      // what ends sooner is within the force's roundings, or so
+      end = 1.05 * release + 1e-3 * whole;
+      pace = Pace::even;
+    } else if (release < 0.4 * whole && pace != Pace::from_onset) {
+      end = release * (1.0 + 0.5 * step_.early_release());
+      pace = Pace::to_release;
+    } else if (release < whole) {
+      end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
+    }
+    ticks = end < static_cast<double>(longest) ? static_cast<std::int64_t>(end) + 1 : longest;
   }
   /// Whether a step at this pace suits a contact that ends at a share of its time.
   KOKKOS_FORCEINLINE_FUNCTION bool suits(Pace pace, double release) const {
@@ -301,15 +307,20 @@ class SmoothDrive {
     const double first = overlaps_.search_near(
         motion, b.curvature, place, flagged_, rounding_, [&](int cell, double level) {
           const Stretch stretch = step_.near(cell, b.curvature, level);
-          if (!is_beside_contact(cell)) {
-            const double onset = step_.expected_onset();
-            if (onset > 0.0 && onset < expected_onset_) expected_onset_ = onset;
-          }
+          if (!is_beside_contact(cell))
+            expected_onset_ = Kokkos::min(expected_onset_, step_.expected_onset());
           return stretch;
         });
     return overlaps_.has_room(flagged_) ? first : -1.0;
   }
 
+  RA2D_FUNCTION double next_release() const {
+    double first = 1e300;
+    for (int r = 0; r < points_.run_count; ++r)
+      if (points_.runs[r].at_end)
+        first = Kokkos::min(first, step_.expected_release(points_.runs[r]));
+    return first;
+  }
   RA2D_FUNCTION bool is_beside_contact(int cell) const {
     bool beside = false;
     for (int c = 0; c < set_.count; ++c)
@@ -353,6 +364,7 @@ class SmoothDrive {
       const std::int64_t in_contact = add_shocks(place, tick, made, x, weights);
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
+    const double release = onset ? 1e300 : next_release();
     step_.keep_for_next(x);
     now.take(lanes_, end);
     tick += made;
@@ -361,6 +373,7 @@ class SmoothDrive {
     if (lanes_.leader()) {
       control_.contact_begins = onset;
       control_.expected_onset = onset ? 1e300 : expected_onset_;
+      control_.expected_release = release;
       control_.series_scale = Kokkos::min(next, adaptive_.longest_scale);
     }
     lanes_.sync();

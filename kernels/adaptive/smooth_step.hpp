@@ -248,13 +248,10 @@ class SmoothStep {
     const double low = share(last), high = last < last_point ? share(last + 1) : 4.0;
     if (last == 0 || !(force[last - 1] > force[last])) return high;
     // the share as a function of the depth, at none: a parabola where the three fall, else a chord
-    const auto depth = [&](int i) {  // to a factor
-      return Kokkos::exp2(2.0 / 3.0 * Kokkos::log2(force[i]));
-    };
-    const double q0 = depth(last), q1 = depth(last - 1), s1 = share(last - 1);
+    const double q0 = depth_of(force[last]), q1 = depth_of(force[last - 1]), s1 = share(last - 1);
     if (!(q1 > q0)) return high;
     double end = low + (low - s1) * (q0 / (q1 - q0));
-    const double q2 = last >= 2 ? depth(last - 2) : 0.0;
+    const double q2 = last >= 2 ? depth_of(force[last - 2]) : 0.0;
     if (q2 > q1) {
       const double s2 = share(last - 2);
       end = low * (q1 * q2 / ((q0 - q1) * (q0 - q2))) + s1 * (q0 * q2 / ((q1 - q0) * (q1 - q2))) +
@@ -278,17 +275,23 @@ class SmoothStep {
     if (last < first) return at_once ? Stretch{0.0, interval} : Stretch{2.0, 2.0};
     return {at_once ? 0.0 : place(first - 1), last == last_point ? 1.0 : place(last + 1)};
   }
-  /// When the cell of near() is expected to come into contact after the step [s]: as
-  /// the parabola through its overlap at three points goes on. Negative or not a number where that
-  /// tells none.
+  /// When the cell of near() is expected to come into contact after the step [s]; beyond 1e200
+  /// where nothing tells that it does.
   RA2D_FUNCTION double expected_onset() const {
     lanes_.sync();
-    const double *const o = buffers_.highest, s0 = share(4), s1 = share(6);
-    const double first = (o[6] - o[4]) / (s1 - s0), second = (o[8] - o[6]) / (1.0 - s1),
-                 bend = (second - first) / (1.0 - s0);
-    const double rate = Kokkos::fma(bend, 1.0 - s1, second);
+    const double* const o = buffers_.highest;
+    const double time = zero_after(o[4], o[6], o[8]);
     lanes_.sync();
-    return -2.0 * o[8] / (rate + Kokkos::sqrt(Kokkos::fma(rate, rate, -4.0 * bend * o[8]))) * time_;
+    return time;
+  }
+  /// When the contact of a run of cells that is in contact at the end is expected to end [s].
+  RA2D_FUNCTION double expected_release(const CellRun& run) const {
+    double force[3] = {0.0, 0.0, 0.0};
+    for (int e = 0; e < cells_; ++e)
+      if (buffers_.cells[e] >= run.first && buffers_.cells[e] <= run.last)
+        for (int i = 0; i < 3; ++i) force[i] += buffers_.force[e * points + 4 + 2 * i];
+    if (!(force[2] < 0.75 * force[1]) || !(force[0] > 0.0)) return 1e300;
+    return zero_after(-depth_of(force[0]), -depth_of(force[1]), -depth_of(force[2]));
   }
   /// The polynomial through a value at each point, at x.
   RA2D_FUNCTION double between(const double* values, double x) const {
@@ -473,6 +476,22 @@ class SmoothStep {
       most = Kokkos::max(most, force);
     }
     return most;
+  }
+
+  /// The depth of a contact that carries this force, to a factor.
+  KOKKOS_FORCEINLINE_FUNCTION static double depth_of(double force) {
+    return Kokkos::exp2(2.0 / 3.0 * Kokkos::log2(force));
+  }
+  /// How long after the step a number that is negative at its end comes to zero [s], as the parabola
+  /// through its values at points 4, 6 and 8 goes on; beyond 1e200 where it does not.
+  RA2D_FUNCTION double zero_after(double at_4, double at_6, double at_8) const {
+    const double s4 = share(4), s6 = share(6);
+    const double before = (at_6 - at_4) / (s6 - s4), rise = (at_8 - at_6) / (1.0 - s6),
+                 bend = (rise - before) / (1.0 - s4), rate = Kokkos::fma(bend, 1.0 - s6, rise),
+                 inside = Kokkos::fma(rate, rate, -4.0 * bend * at_8);
+    if (!(inside >= 0.0)) return 1e300;
+    const double root = rate + Kokkos::sqrt(inside);
+    return root > 0.0 && at_8 < 0.0 ? -2.0 * at_8 / root * time_ : 1e300;
   }
 
   /// Finds the rate of the accelerations at the beginning, but for what contact forces change by.
