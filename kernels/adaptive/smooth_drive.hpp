@@ -131,7 +131,7 @@ class SmoothDrive {
       }
       // a step graded towards a release that is where it should be
       if (pace == Pace::to_release && released <= 1.0 &&
-          pace_share(pace, released) > 1.0 - step_.early_release() && !any_begins())
+          released > 1.0 - step_.early_release() && !any_begins())
         course = Course::graded;
       const bool onset = first <= 1.0;
       // the motion within the step is what goes on from an onset, and else what is recorded
@@ -153,7 +153,8 @@ class SmoothDrive {
 
  private:
   /// The next try of a step whose error was too large: `factor` times as long or, where a contact
-  /// begins at `first` or ends at `released` within it (beyond 1: none), up to there: but not far
+  /// begins at the x `first` or ends at the share `released` within it (beyond 1: none), up to
+  /// there: but not far
   /// sooner than the error control asks for, since a motion so far off may be wrong about it.
   /// Whether it is shorter than the error control asks for. `ticks` becomes 0 where none is left.
   KOKKOS_FORCEINLINE_FUNCTION static bool shorten(std::int64_t& ticks, Pace& pace, double factor,
@@ -161,8 +162,8 @@ class SmoothDrive {
     double share = 2.0;
     Pace then = pace == Pace::to_release ? Pace::even : pace;
     if (first <= 1.0) share = pace_share(pace, first);
-    if (released <= 1.0 && pace_share(pace, released) < share) {
-      share = pace_share(pace, released);
+    if (released <= 1.0 && released < share) {
+      share = released;
       if (pace != Pace::from_onset) then = Pace::to_release;
     }
     if (share < 0.2 * factor) {
@@ -469,14 +470,16 @@ class SmoothDrive {
     return points_.listed;
   }
 
-  /// The largest overlap in cells `first` to `last` at x [m], its rate [m per x], and in which.
+  /// The largest overlap in cells `first` to `last` at a share of the step's time [m], its rate [m
+  /// over that time], and in which.
   struct LargestOverlap {
     double value, rate;
     int cell;
   };
   RA2D_FUNCTION LargestOverlap largest_overlap(const Place& place, int first, int last,
-                                               double x) const {
+                                               double share) const {
     const Motion motion = step_.motion(1.0);
+    const double x = pace_x(step_.pace(), share), per_share = 1.0 / pace_rate(step_.pace(), x);
     Real u[packs], rate[packs];
     motion.at(lanes_, x, u, rate);
     const Place there = motion.place_at(place, x);
@@ -487,11 +490,11 @@ class SmoothDrive {
       double rate_there;
       const double value =
           node_contact_.moving_cell(cell, there, u, rate, motion.slide_rate(x)).highest(rate_there);
-      if (value > largest.value) largest = {value, rate_there, cell};
+      if (value > largest.value) largest = {value, per_share * rate_there, cell};
     }
     return largest;
   }
-  /// The x between the points that a run carries force at last and at first not, up to `end`.
+  /// The points between which a run carries force at last and at first not, up to the share `end`.
   struct ReleaseBracket {
     double low, high;
     bool touches;  // at low
@@ -500,14 +503,14 @@ class SmoothDrive {
     int last = -1;
     for (int e = 0; e < cells_; ++e)
       if (points_.cells[e] >= run.first && points_.cells[e] <= run.last)
-        for (int i = last + 1; i <= last_point && step_.place(i) < end; ++i)
+        for (int i = last + 1; i <= last_point && step_.share(i) < end; ++i)
           if (points_.force[e * points + i] > 0.0) last = i;
-    const double low = last < 0 ? 0.0 : step_.place(last);
-    return {low, last == last_point ? end : Kokkos::min(end, step_.place(last + 1)), last >= 0};
+    const double low = last < 0 ? 0.0 : step_.share(last);
+    return {low, last == last_point ? end : Kokkos::min(end, step_.share(last + 1)), last >= 0};
   }
-  /// The x up to `end` at which the contact of a run ends that is free at `end`: to `closeness`, by
-  /// Newton's method, halving where it leaves what is left. In the cell that overlaps most, unless
-  /// another proves to be in contact there.
+  /// The share of the step's time up to `end` at which the contact of a run ends that is free at
+  /// `end`: to `closeness`, by Newton's method, halving where it leaves what is left. In the cell
+  /// that overlaps most, unless another proves to be in contact there.
   RA2D_FUNCTION double release(const Place& place, const CellRun& run, double end,
                                double closeness) const {
     const int first = run.first - 1, last = run.last + 1;
@@ -521,27 +524,26 @@ class SmoothDrive {
     }
     const double farthest = high;
     int cell = there.cell;
-    double x = high - there.value / there.rate;
+    double at = step_.expected_end(run);
     for (int i = 0; i < 60; ++i) {
-      if (!(high - low > closeness)) {
+      if (!(at > low && at < high)) at = 0.5 * (low + high);
+      there = largest_overlap(place, cell, cell, at);
+      (there.value > rounding_ ? low : high) = at;
+      if (!(high - low > closeness) || Kokkos::abs(there.value) <= rounding_) {
         there = largest_overlap(place, first, last, high);
-        if (!(there.value > 0.0) || there.cell == cell) break;
+        if (!(there.value > rounding_) || there.cell == cell) break;
         cell = there.cell;
-        x = low = high;
+        at = low = high;
         high = farthest;
-      } else {
-        if (!(x > low && x < high)) x = 0.5 * (low + high);
-        there = largest_overlap(place, cell, cell, x);
-        (there.value > 0.0 ? low : high) = x;
-        if (there.value == 0.0) break;
       }
       const double step = there.value / there.rate;
       // so near that the root is bracketed by going on a little beyond it
-      x -= step + Kokkos::copysign(0.5 * closeness, step);
+      at -= step + Kokkos::copysign(0.5 * closeness, step);
     }
     return high;
   }
-  /// Where the first of the runs that were in contact at the beginning ends; beyond 1 if none does.
+  /// The share of the step's time at which the first of the runs that were in contact at the
+  /// beginning ends; beyond 1 if none does.
   RA2D_FUNCTION double first_release(const Place& place) const {
     double first = 3.0;
     for (int r = 0; r < points_.run_count; ++r) {
@@ -581,7 +583,7 @@ class SmoothDrive {
       ++grown;
       std::int64_t ends = ticks;
       if (!run.at_end) {
-        const double share = pace_share(step_.pace(), release(place, run, x, 1e-13));
+        const double share = release(place, run, pace_share(step_.pace(), x), 1e-13);
         ends = static_cast<std::int64_t>(Kokkos::ceil(share * step_.ticks()));
         // what goes on in contact is taken in after it
         const std::int64_t most = set_.count > 0 && ticks > 1 ? ticks - 1 : ticks;
