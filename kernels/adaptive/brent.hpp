@@ -6,15 +6,20 @@
 
 namespace ra2d {
 
-/// The largest f(x) on [from, to], where f has one maximum, and its place; by parabolas through
+/// The largest f(x) between two places, where f has one maximum, and its place; by parabolas through
 /// three values, and golden sections where these do not close in (Brent 1973, chapter 5). The place
-/// is right to some 1e-4 of the interval, the value so to 1e-8 of its change.
+/// is right to some 1e-4 of the interval, the value so to 1e-8 of its change. Given f at both
+/// places, and at one between them.
 template <class Function>
-KOKKOS_INLINE_FUNCTION Highest highest_between(double from, double to, const Function& f) {
+KOKKOS_INLINE_FUNCTION Highest highest_between(const Highest& left, const Highest& inside,
+                                               const Highest& right, const Function& f) {
   constexpr double golden = 0.3819660112501051;
+  double from = left.place, to = right.place;
   const double close = 1e-4 * (to - from);
-  double x = from + golden * (to - from), w = x, v = x;
-  double fx = f(x), fw = fx, fv = fx, d = 0.0, before = 0.0;
+  const Highest& high = left.value > right.value ? left : right;
+  const Highest& low = left.value > right.value ? right : left;
+  double x = inside.place, w = high.place, v = low.place;
+  double fx = inside.value, fw = high.value, fv = low.value, d = to - from, before = d;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (from + to);
     if (Kokkos::abs(x - middle) <= 2.0 * close - 0.5 * (to - from)) break;
@@ -31,6 +36,8 @@ KOKKOS_INLINE_FUNCTION Highest highest_between(double from, double to, const Fun
         parabola = true;
       }
     }
+    // where the latest step was short, too, the parabola tells the place
+    if (parabola && Kokkos::abs(d) <= close && Kokkos::abs(before) <= 1e2 * close) break;
     if (!parabola) {
       before = x >= middle ? from - x : to - x;
       d = golden * before;

@@ -729,7 +729,13 @@ class SmoothDrive {
       // at an end it is, where the force falls from there
       const bool at_end = (top == 0 && between(1e-4 * to) < highest) ||
                           (top == last_point && between(1.0 - 1e-4 * (to - from)) < highest);
-      if (!at_end) found = highest_between(from, to, between);
+      if (!at_end) {
+        const double inside = top > 0 && top < last_point && found.place < to
+                                  ? found.place
+                                  : from + 0.4 * (to - from);
+        found = highest_between({between(from), from}, {between(inside), inside},
+                                {between(to), to}, between);
+      }
       if (x < 1.0) found.take(between(x), x);
       double most = highest;
       if (found.value > highest) most = Kokkos::max(most, force_of(i, found.place));

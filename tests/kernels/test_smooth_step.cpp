@@ -239,7 +239,9 @@ TEST(HighestBetween, IsThatOfASmoothPeak) {
       const double d = x - top;
       return 3 - d * d * (1 + skew * d);
     };
-    const Highest highest = highest_between(from, to, f);
+    const double inside = dice.uniform(from, to);
+    const Highest highest =
+        highest_between({f(from), from}, {f(inside), inside}, {f(to), to}, f);
     const double found = highest.value;
     EXPECT_EQ(f(highest.place), found);
     const double exact = std::max({top >= from && top <= to ? 3.0 : -1e300, f(from), f(to)});
