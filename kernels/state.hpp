@@ -142,8 +142,8 @@ struct StepControl {
   double series_scale = 0;  // s, guess at the length of the next step with forces
   int flight_level = 0;     // of the next flight: 2^level ticks
   // smooth faces
-  bool contact_begins = false;   // at the beginning of the next step
-  // s after it: when the next contact is expected to begin, and to end
+  bool contact_begins = false;  // at the beginning of the next step
+  // s after that: when a contact is expected to begin, and to end
   double expected_onset = 1e300, expected_release = 1e300;
 };
 

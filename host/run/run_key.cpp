@@ -18,7 +18,7 @@ int numerics_version_of(const Scene& scene) {
     return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
                ? 3
                : numerics_version;
-  if (scene.faces == Faces::smooth) return 6;  // collocation, with sweeps on springs
+  if (scene.faces == Faces::smooth) return 7;  // collocation, with sweeps on springs
   // nodes in contact are gathered in clusters
   return scene.kind == SceneKind::areal ? 3 : numerics_version;
 }

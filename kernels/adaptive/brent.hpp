@@ -6,10 +6,10 @@
 
 namespace ra2d {
 
-/// The largest f(x) between two places, where f has one maximum, and its place; by parabolas through
-/// three values, and golden sections where these do not close in (Brent 1973, chapter 5). The place
-/// is right to some 1e-4 of the interval, the value so to 1e-8 of its change. Given f at both
-/// places, and at one between them.
+/// The largest f(x) between two places, where f has one maximum, and its place; by parabolas
+/// through three values, and golden sections where these do not close in (Brent 1973, chapter 5).
+/// The place is right to some 1e-4 of the interval, the value so to 1e-8 of its change. Given f at
+/// both places, and at one between them.
 template <class Function>
 KOKKOS_INLINE_FUNCTION Highest highest_between(const Highest& left, const Highest& inside,
                                                const Highest& right, const Function& f) {

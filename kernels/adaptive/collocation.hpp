@@ -84,7 +84,8 @@ class CollocationSweeps {
         store(buffers_.force_at, m, g, Real(modes_.load[m]));
         if (earlier.table == nullptr) {
           const Real second(0.5 * now.jerk[row + m]), third(1.0 / 6.0 * now.jerk[2 * row + m]);
-          const Real rate = multiply_add(multiply_add(third, time, second), time, Real(now.jerk[m]));
+          const Real rate =
+              multiply_add(multiply_add(third, time, second), time, Real(now.jerk[m]));
           store(buffers_.a_at, m, g, multiply_add(rate, time, a));
         }
       }

@@ -110,12 +110,12 @@ struct PolynomialMotion {
   }
 };
 
-/// A stretch of a motion, in its x.
-struct Stretch {
+/// A part of a motion, in its x.
+struct OnsetInterval {
   double from, to;
 };
 
-/// Where the overlap anywhere in a cell first comes to within `noise` of `level` in a stretch of
+/// Where the overlap anywhere in a cell first comes to within `noise` of `level` in a part of
 /// `motion`, which the modes follow from `start` on: the x; beyond motion.most where it never does.
 /// `curvature`: of PolynomialMotion::bounds.
 ///
@@ -127,11 +127,11 @@ template <class Lanes, int packs>
 RA2D_FUNCTION double first_contact(const Lanes& lanes,
                                    const NodeContact<Lanes, packs>& node_contact,
                                    const PolynomialMotion<Lanes, packs>& motion, const Place& start,
-                                   int cell, const Stretch& stretch, double curvature,
+                                   int cell, const OnsetInterval& interval, double curvature,
                                    double level, double noise) {
   using Real = typename Lanes::Real;
   const double beyond = 2.0 * motion.most + 1.0, slide_rate = motion.most_slide_rate();
-  double x = stretch.from;
+  double x = interval.from;
   for (int i = 0; i < 200; ++i) {
     Real u[packs], rate[packs];
     motion.at(lanes, x, u, rate);
@@ -150,8 +150,8 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     const double root = Kokkos::sqrt(Kokkos::fma(rate_there, rate_there, 2.0 * bound * miss));
     const double sooner = rate_there > 0.0 ? 2.0 * miss / (root + rate_there)
                                            : (root - rate_there) / (bound + 1e-300);
-    const double high = Kokkos::min(sooner, stretch.to - x), of_high = excess(high);
-    if (of_high < 0.0 && !(sooner < stretch.to - x)) return beyond;
+    const double high = Kokkos::min(sooner, interval.to - x), of_high = excess(high);
+    if (of_high < 0.0 && !(sooner < interval.to - x)) return beyond;
     const double next = x + (of_high > 0.0 ? high * (miss / (of_high + miss)) : high);
     if (!(next > x)) return x;  // as near as roundings let it come
     x = next;

@@ -344,8 +344,8 @@ class Overlaps {
   /// Where contact first begins in the listed cells along the `motion` of a step from `place` on;
   /// beyond 1 where none does. Leaves those cells in which one does, with its x in
   /// OnsetSearch::onsets; `flagged`: their number, or no_room. `near`: of a cell and a level [m],
-  /// the stretch within which alone its overlap may come to that level; one that begins beyond 1
-  /// where there is none.
+  /// the part of the motion within which alone its overlap may come to that level; one that begins
+  /// beyond 1 where there is none.
   template <class Near>
   RA2D_FUNCTION double search_near(const PolynomialMotion<Lanes, packs>& motion, double curvature,
                                    const Place& place, int& flagged, double tolerance,
@@ -354,10 +354,10 @@ class Overlaps {
     int kept = 0;
     flagged = keep_those(place, flagged, [&](int cell) {
       // sums over the modes, one after the other, round more than those over lanes
-      const Stretch stretch = near(cell, -4.0 * tolerance);
-      if (stretch.from > 1.0) return false;
-      const double x = first_contact(lanes_, node_contact_, motion, place, cell, stretch, curvature,
-                                     tolerance, 0.25 * tolerance);
+      const OnsetInterval interval = near(cell, -4.0 * tolerance);
+      if (interval.from > 1.0) return false;
+      const double x = first_contact(lanes_, node_contact_, motion, place, cell, interval,
+                                     curvature, tolerance, 0.25 * tolerance);
       if (x > motion.most) return false;
       if (lanes_.leader()) search_.onsets[kept] = x;
       ++kept;
@@ -374,9 +374,8 @@ class Overlaps {
       return -1.0;
     double first = 2.0 * motion.most + 1.0;
     for (int e = 0; e < flagged; ++e) {
-      const double x =
-          first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e], {0.0, motion.most},
-                        curvature, tolerance, 0.25 * tolerance);
+      const double x = first_contact(lanes_, node_contact_, motion, place, listed_nodes_[e],
+                                     {0.0, motion.most}, curvature, tolerance, 0.25 * tolerance);
       lanes_.sync();
       if (lanes_.leader()) search_.onsets[e] = x;
       if (x < first) first = x;

@@ -29,7 +29,9 @@ namespace ra2d {
 /// none begins unseen is proved for the motion that the step has found. Contacts that grow, wander
 /// from cell to cell or end are no events: force and its first derivative stay continuous, and the
 /// error control sees to them. Where the first sweeps show that a contact ends, or the error
-/// control rejects a step because one does, the step is made to end with that contact.
+/// control rejects a step because one does, the step is made to end with that contact. So it is
+/// where the step before it shows that a contact will begin or end: that saves tries, and proves
+/// nothing.
 template <class Lanes, int packs>
 class SmoothDrive {
   using Real = typename Lanes::Real;
@@ -96,20 +98,13 @@ class SmoothDrive {
     Pace pace = control_.contact_begins ? Pace::from_onset : Pace::even;
     if (!list_cells(place)) return Outcome::crowded;
 
-    bool cut = false;  // shorter than the error control asks for
-    const double uncut = static_cast<double>(ticks);
-    const double until = 1.1 * control_.expected_onset / motion_.time_step;
-    if (until < static_cast<double>(ticks)) {
-      ticks = static_cast<std::int64_t>(until)+1;
-      cut = true;
-    }
-    if (ticks < available && 2 * ticks > available) {
-      ticks = available / 2 + 1;
-      cut = true;
-    }
-    plan(ticks, pace, cut, uncut);
-    cut = cut || ticks == available;
-    double next = 0.0;  // s, what it asks for
+    const double allowed = static_cast<double>(ticks);  // by the error control
+    const double onset_after = control_.expected_onset / motion_.time_step;
+    if (1.1 * onset_after < allowed) ticks = static_cast<std::int64_t>(1.1 * onset_after) + 1;
+    if (ticks < available && 2 * ticks > available) ticks = available / 2 + 1;
+    plan(ticks, pace, allowed);
+    bool cut = static_cast<double>(ticks) < allowed || ticks == available;
+    double next = 0.0;  // s, that it allows
     while (true) {
       step_.finish();
       find_runs(1.0);
@@ -130,8 +125,8 @@ class SmoothDrive {
         if (course == Course::kinked && errors.of(course) > 1.0) released = first_release(place);
       }
       // a step graded towards a release that is where it should be
-      if (pace == Pace::to_release && released <= 1.0 &&
-          released > 1.0 - step_.early_release() && !any_begins())
+      if (pace == Pace::to_release && released <= 1.0 && released > 1.0 - step_.early_release() &&
+          !any_begins())
         course = Course::graded;
       const bool onset = first <= 1.0;
       // the motion within the step is what goes on from an onset, and else what is recorded
@@ -153,10 +148,10 @@ class SmoothDrive {
 
  private:
   /// The next try of a step whose error was too large: `factor` times as long or, where a contact
-  /// begins at the x `first` or ends at the share `released` within it (beyond 1: none), up to
-  /// there: but not far
-  /// sooner than the error control asks for, since a motion so far off may be wrong about it.
-  /// Whether it is shorter than the error control asks for. `ticks` becomes 0 where none is left.
+  /// begins at the x `first` or ends at the share `released` of its time (beyond 1: none), up to
+  /// there: but not far sooner than the error control asks for, since a motion so far off may be
+  /// wrong about it. Whether it is shorter than the error control asks for. `ticks` becomes 0 where
+  /// none is left.
   KOKKOS_FORCEINLINE_FUNCTION static bool shorten(std::int64_t& ticks, Pace& pace, double factor,
                                                   double first, double released) {
     double share = 2.0;
@@ -207,21 +202,23 @@ class SmoothDrive {
   int capacity_;
   SmoothStep<Lanes, packs>& step_;
   int cells_ = 0, flagged_ = 0;
-  double expected_onset_ = 1e300;
-  double rounding_ = 0.0;  // m, bound on that of an overlap at the beginning
+  double rounding_ = 0.0;          // m, bound on that of an overlap at the beginning
+  double expected_onset_ = 1e300;  // s after the step: of the next contact that begins
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
   }
 
   /// Begins a step of `ticks` or less, without the cells that stay open. Should contact begin in
-  /// one of these, search() finds it. Where the first two sweeps show that a contact ends within
-  /// it, the step is made to end there, if that is near, or else at half the time.
-  RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, bool& cut, double uncut) {
+  /// one of these, search() finds it. Where a contact is expected to end within it, by the step
+  /// before or by the first two sweeps, the step is made to end there, if that is near, or else at
+  /// half the time. `allowed`: ticks, by the error control.
+  RA2D_FUNCTION void plan(std::int64_t& ticks, Pace& pace, double allowed) {
     constexpr int most_tries = 3;
     const std::int64_t longest = ticks;
-    const double expected = control_.expected_release / motion_.time_step;
-    if (expected > 0.02 * uncut && expected < 0.4 * uncut) aim(expected, longest, uncut, ticks, pace);
+    const double release = control_.expected_release / motion_.time_step;
+    if (release > 0.02 * allowed && release < 0.4 * allowed)
+      aim(release, longest, allowed, ticks, pace);
     for (int i = 0; i < most_tries; ++i) {
       step_.begin(ticks, pace);
       cells_ = step_.leave_out_open();
@@ -232,30 +229,29 @@ class SmoothDrive {
         if (suits(pace, share)) break;
       }
       const std::int64_t tried = ticks;
-      const Pace before = pace;
-      aim(share * static_cast<double>(ticks), longest, uncut, ticks, pace);
-      if (ticks == tried && pace == before) break;
+      const Pace at_pace = pace;
+      aim(share * static_cast<double>(ticks), longest, allowed, ticks, pace);
+      if (ticks == tried && pace == at_pace) break;
       if (pace == Pace::to_release && i + 1 < most_tries) continue;
       step_.begin(ticks, pace);
       break;
     }
-    cut = cut || ticks < longest;
   }
-  /// The length and the pace of a step, of `longest` ticks at the most, in which a contact is
-  /// expected to end after `release` ticks; `whole`: ticks that the error control allows.
-  RA2D_FUNCTION void aim(double release, std::int64_t longest, double whole, std::int64_t& ticks,
+  /// Length and pace of a step of `longest` ticks at the most in which a contact is expected to end
+  /// after `release` ticks.
+  RA2D_FUNCTION void aim(double release, std::int64_t longest, double allowed, std::int64_t& ticks,
                          Pace& pace) const {
-    double end = whole;
+    double end = allowed;
     if (pace == Pace::to_release) pace = Pace::even;
-    if (release < 0.02 * whole) {
+    if (release < 0.02 * allowed) {
       // what ends sooner is within the force's roundings, or so
-      end = 1.05 * release + 1e-3 * whole;
+      end = 1.05 * release + 1e-3 * allowed;
       pace = Pace::even;
-    } else if (release < 0.4 * whole && pace != Pace::from_onset) {
+    } else if (release < 0.4 * allowed && pace != Pace::from_onset) {
       end = release * (1.0 + 0.5 * step_.early_release());
       pace = Pace::to_release;
-    } else if (release < whole) {
-      end = release < 0.7 * whole ? 0.5 * release : release - 0.35 * whole;
+    } else if (release < allowed) {
+      end = release < 0.7 * allowed ? 0.5 * release : release - 0.35 * allowed;
     }
     ticks = end < static_cast<double>(longest) ? static_cast<std::int64_t>(end) + 1 : longest;
   }
@@ -307,26 +303,28 @@ class SmoothDrive {
     if (flagged_ == 0) return 3.0;
     const double first = overlaps_.search_near(
         motion, b.curvature, place, flagged_, rounding_, [&](int cell, double level) {
-          const Stretch stretch = step_.near(cell, b.curvature, level);
+          const OnsetInterval interval = step_.near(cell, b.curvature, level);
           if (!is_beside_contact(cell))
             expected_onset_ = Kokkos::min(expected_onset_, step_.expected_onset());
-          return stretch;
+          return interval;
         });
     return overlaps_.has_room(flagged_) ? first : -1.0;
   }
 
+  /// Contact spreads to a cell beside it, it does not begin there.
+  RA2D_FUNCTION bool is_beside_contact(int cell) const {
+    bool adjacent = false;
+    for (int c = 0; c < set_.count; ++c)
+      adjacent = adjacent || (set_.nodes[c] >= cell - 1 && set_.nodes[c] <= cell + 1);
+    return adjacent;
+  }
+  /// When, after the step, the first of the contacts at its end is expected to end [s].
   RA2D_FUNCTION double next_release() const {
     double first = 1e300;
     for (int r = 0; r < points_.run_count; ++r)
       if (points_.runs[r].at_end)
         first = Kokkos::min(first, step_.expected_release(points_.runs[r]));
     return first;
-  }
-  RA2D_FUNCTION bool is_beside_contact(int cell) const {
-    bool beside = false;
-    for (int c = 0; c < set_.count; ++c)
-      beside = beside || (set_.nodes[c] >= cell - 1 && set_.nodes[c] <= cell + 1);
-    return beside;
   }
 
   /// Keeps the step, or (onset) the part of it up to the x `first` where a contact begins.
@@ -730,11 +728,10 @@ class SmoothDrive {
       const bool at_end = (top == 0 && between(1e-4 * to) < highest) ||
                           (top == last_point && between(1.0 - 1e-4 * (to - from)) < highest);
       if (!at_end) {
-        const double inside = top > 0 && top < last_point && found.place < to
-                                  ? found.place
-                                  : from + 0.4 * (to - from);
-        found = highest_between({between(from), from}, {between(inside), inside},
-                                {between(to), to}, between);
+        const auto at = [&](double place) { return Highest{between(place), place}; };
+        const bool between_points = top > 0 && found.place < to;
+        found = highest_between(at(from), at(between_points ? found.place : 0.6 * from + 0.4 * to),
+                                at(to), between);
       }
       if (x < 1.0) found.take(between(x), x);
       double most = highest;

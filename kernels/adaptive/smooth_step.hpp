@@ -259,23 +259,24 @@ class SmoothStep {
     }
     return Kokkos::max(low, Kokkos::min(high, end));
   }
-  /// The stretch of the step within which alone the overlap anywhere in an expanded cell may come
+  /// The part of the step within which alone the overlap anywhere in an expanded cell may come
   /// to `level` [m]; one that begins beyond 1 where there is none. `curvature`: of the motion
   /// (PolynomialMotion::bounds).
-  RA2D_FUNCTION Stretch near(int cell, double curvature, double level) const {
+  RA2D_FUNCTION OnsetInterval near(int cell, double curvature, double level) const {
     const Motion moving = motion(1.0);
     const double rate = moving.most_slide_rate(), interval = place(1);
-    const auto [slope, bend] = sweeps_.faces(cell).steepness();
-    const double second = Kokkos::fma(
-        rate * rate, bend, Kokkos::fma(moving.change_of_slide_rate(), slope, curvature));
+    const auto faces = sweeps_.faces(cell).steepness();
+    const double second =
+        Kokkos::fma(rate * rate, faces.curvature,
+                    Kokkos::fma(moving.change_of_slide_rate(), faces.slope, curvature));
     const auto [first, last] = sweeps_.points_near(cell, second, level);
-    const bool at_once = first == 1 || Kokkos::fma(0.125 * interval * interval, second,
-                                                   node_contact_.highest(cell, start_, now_.u)) >=
-                                           level;
-    if (last < first) return at_once ? Stretch{0.0, interval} : Stretch{2.0, 2.0};
+    const bool at_once =
+        first == 1 || Kokkos::fma(0.125 * interval * interval, second,
+                                  node_contact_.highest(cell, start_, now_.u)) >= level;
+    if (last < first) return at_once ? OnsetInterval{0.0, interval} : OnsetInterval{2.0, 2.0};
     return {at_once ? 0.0 : place(first - 1), last == last_point ? 1.0 : place(last + 1)};
   }
-  /// When the cell of near() is expected to come into contact after the step [s]; beyond 1e200
+  /// When the cell of near() is expected to come into contact after the step [s]; 1e300
   /// where nothing tells that it does.
   RA2D_FUNCTION double expected_onset() const {
     lanes_.sync();
@@ -290,6 +291,7 @@ class SmoothStep {
     for (int e = 0; e < cells_; ++e)
       if (buffers_.cells[e] >= run.first && buffers_.cells[e] <= run.last)
         for (int i = 0; i < 3; ++i) force[i] += buffers_.force[e * points + 4 + 2 * i];
+    // where it falls slowly, the parabola tells nothing
     if (!(force[2] < 0.75 * force[1]) || !(force[0] > 0.0)) return 1e300;
     return zero_after(-depth_of(force[0]), -depth_of(force[1]), -depth_of(force[2]));
   }
@@ -482,13 +484,14 @@ class SmoothStep {
   KOKKOS_FORCEINLINE_FUNCTION static double depth_of(double force) {
     return Kokkos::exp2(2.0 / 3.0 * Kokkos::log2(force));
   }
-  /// How long after the step a number that is negative at its end comes to zero [s], as the parabola
-  /// through its values at points 4, 6 and 8 goes on; beyond 1e200 where it does not.
+  /// How long after the step a number that is negative at its end comes to zero [s], as the
+  /// parabola through its values at points 4, 6 and 8 goes on; 1e300 where it does not.
   RA2D_FUNCTION double zero_after(double at_4, double at_6, double at_8) const {
     const double s4 = share(4), s6 = share(6);
     const double before = (at_6 - at_4) / (s6 - s4), rise = (at_8 - at_6) / (1.0 - s6),
-                 bend = (rise - before) / (1.0 - s4), rate = Kokkos::fma(bend, 1.0 - s6, rise),
-                 inside = Kokkos::fma(rate, rate, -4.0 * bend * at_8);
+                 curvature = (rise - before) / (1.0 - s4),
+                 rate = Kokkos::fma(curvature, 1.0 - s6, rise),
+                 inside = Kokkos::fma(rate, rate, -4.0 * curvature * at_8);
     if (!(inside >= 0.0)) return 1e300;
     const double root = rate + Kokkos::sqrt(inside);
     return root > 0.0 && at_8 < 0.0 ? -2.0 * at_8 / root * time_ : 1e300;

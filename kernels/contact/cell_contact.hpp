@@ -217,8 +217,8 @@ struct CellFaces {
     Steepness most{0.0, 0.0};
     for (int side = 0; side < 2; ++side) {
       const double* const c = passing[side].c;
-      most.slope = Kokkos::max(most.slope, Kokkos::abs(c[1]) + 2.0 * Kokkos::abs(c[2]) +
-                                               3.0 * Kokkos::abs(c[3]));
+      most.slope = Kokkos::max(
+          most.slope, Kokkos::abs(c[1]) + 2.0 * Kokkos::abs(c[2]) + 3.0 * Kokkos::abs(c[3]));
       // a cubic's second derivative is largest at an end
       const double left = 2.0 * c[2], right = Kokkos::fma(6.0, c[3], left);
       most.curvature =

@@ -240,8 +240,7 @@ TEST(HighestBetween, IsThatOfASmoothPeak) {
       return 3 - d * d * (1 + skew * d);
     };
     const double inside = dice.uniform(from, to);
-    const Highest highest =
-        highest_between({f(from), from}, {f(inside), inside}, {f(to), to}, f);
+    const Highest highest = highest_between({f(from), from}, {f(inside), inside}, {f(to), to}, f);
     const double found = highest.value;
     EXPECT_EQ(f(highest.place), found);
     const double exact = std::max({top >= from && top <= to ? 3.0 : -1e300, f(from), f(to)});
