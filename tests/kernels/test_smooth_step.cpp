@@ -73,6 +73,20 @@ TEST_P(PointsAtAPace, StandAlikeOnBothSidesAndAtBothEnds) {
   }
 }
 
+/// Between two points a parabola rises above both by interval^2/8 of its second derivative.
+TEST_P(PointsAtAPace, BoundAParabolaBesideThem) {
+  const Points p(GetParam());
+  for (int i = 1; i < collocation_points; ++i) {
+    const auto rise = [&](int left) {
+      const double middle = 0.5 * (p.x(left) + p.x(left + 1));
+      return 0.5 * (middle - p.x(left)) * (p.x(left + 1) - middle);
+    };
+    const double most = i < last_point ? std::max(rise(i - 1), rise(i)) : rise(i - 1);
+    const double interval = std::sqrt(8 * most);  // off by the roundings of two places
+    EXPECT_NEAR(p.row(point_sags)[i - 1], most, eps * interval) << i;
+  }
+}
+
 /// Lobatto's rule is of order 16: exact for x^15 and below, and for no more.
 TEST_P(PointsAtAPace, IntegratePowersOfTheTimeExactly) {
   const Points p(GetParam());

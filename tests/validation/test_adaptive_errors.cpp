@@ -248,6 +248,9 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
   }
 }
 
+/// Shocks that have ended, and those that have not.
+std::size_t shocks_of(const Recording& r) { return r.shocks.size() + r.end.open_shocks.size(); }
+
 /// Between smooth faces, by collocation in contact.
 TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
   for (Case& each : cases()) {
@@ -264,11 +267,10 @@ TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
       const Recording r = simulate(adaptive(each.scene, tolerance));
       ASSERT_EQ(r.end.status, Status::done);
       EXPECT_LT(distance(r, reference), factor * tolerance + floor) << tolerance;
-      // bodies that settle graze each other: a contact that parts for less than a step counts once
-      // or twice (66 and 67 were found below 1e-9)
+      // of bodies that settle, contacts that begin beside one another may join at once: how many
+      // have begun (63 to 66) tells nothing, how many there were does
       if (!each.drifts || tolerance < 1e-9) {
-        EXPECT_NEAR(r.end.shocks_begun, reference.end.shocks_begun, each.drifts ? 1 : 0)
-            << tolerance;
+        EXPECT_EQ(shocks_of(r), shocks_of(reference)) << tolerance;
       }
       EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance) << tolerance;
     }
