@@ -276,8 +276,8 @@ class SmoothStep {
     if (last < first) return at_once ? OnsetInterval{0.0, interval} : OnsetInterval{2.0, 2.0};
     return {at_once ? 0.0 : place(first - 1), last == last_point ? 1.0 : place(last + 1)};
   }
-  /// When the cell of near() is expected to come into contact after the step [s]; 1e300
-  /// where nothing tells that it does.
+  /// When, after the step, the cell that near() was asked for last is expected to come into contact
+  /// [s]; 1e300 where nothing tells that it does.
   RA2D_FUNCTION double expected_onset() const {
     lanes_.sync();
     const double* const o = buffers_.highest;
@@ -285,7 +285,8 @@ class SmoothStep {
     lanes_.sync();
     return time;
   }
-  /// When the contact of a run of cells that is in contact at the end is expected to end [s].
+  /// When, after the step, the contact of a run of cells that is in contact at its end is expected
+  /// to end [s]; 1e300 where nothing tells that it does.
   RA2D_FUNCTION double expected_release(const CellRun& run) const {
     double force[3] = {0.0, 0.0, 0.0};
     for (int e = 0; e < cells_; ++e)
@@ -514,6 +515,7 @@ class SmoothStep {
   RA2D_FUNCTION bool keep_rates(double x) const {
     const double rate = pace_rate(pace_, x), per_time = 1.0 / (rate * time_);
     if (!(rate >= 0.5)) return false;
+    // by the chain rule: x changes by 1/rate over the step's time
     const double slowing = pace_change(pace_) / rate;
     const Real at(x), once(-slowing), thrice(-3.0 * slowing), six_times(-6.0 * slowing),
         squared(15.0 * slowing * slowing);
