@@ -392,7 +392,8 @@ def draw_convergence(rows, file):
         ax.xaxis.set_minor_formatter(ticker.NullFormatter())
         ax.grid(alpha=0.3, which="both")
     axes[0][0].set_ylabel("rate of shocks: difference\nto its limit (%)")
-    axes[0][0].legend(loc="lower left", fontsize=8, title="numbers: spacing (um)", title_fontsize=8)
+    axes[0][-1].legend(loc="lower left", fontsize=8, title="numbers: spacing (um)",
+                       title_fontsize=8)
     figure.savefig(file, dpi=110)
 
 
