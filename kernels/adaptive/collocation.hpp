@@ -221,13 +221,14 @@ class CollocationSweeps {
   }
 
   KOKKOS_FORCEINLINE_FUNCTION CellFaces faces(int cell) const { return cells_.faces(cell); }
-  /// The largest overlap anywhere in a cell at each point but the first (PointBuffers::highest)
-  /// [m], and the first and the last of these points beside which it may come to `level` within the
-  /// step, given a bound on its second derivative [m per x^2]: between two points it is at most the
-  /// larger of both and interval^2/8 of that. `last` < `first`: it may beside none.
+  /// Points from `first` to `last`; none where `last` < `first`.
   struct PointRange {
     int first, last;
   };
+  /// Finds the largest overlap anywhere in a cell at each point but the first
+  /// (PointBuffers::highest) [m]. Returns from which of these points to which it may come to
+  /// `level` beside them, given a bound on its second derivative [m per x^2]: between two points it
+  /// is at most the larger of both and interval^2/8 of that.
   RA2D_FUNCTION PointRange points_near(int cell, double second, double level) const {
     const CellFaces faces = cells_.faces(cell);
     PointRange near{1 + last_point, 0};

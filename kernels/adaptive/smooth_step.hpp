@@ -229,7 +229,7 @@ class SmoothStep {
   }
   /// Where the contact of a run of cells ends, as a share of the step's time, as far as its forces
   /// at the points tell: they fall as depth^1.5, and the depth is smooth. Beyond 1 where they have
-  /// not come to an end.
+  /// not come to an end; how far beyond is told at the pace towards a release alone.
   RA2D_FUNCTION double expected_end(const CellRun& run) const {
     double force[collocation_points];
     int last = -1;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -343,6 +344,9 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
   refused([](Checkpoint& c) { c.state.values.contacts.count = 7; }, "closed nodes");
   refused([](Checkpoint& c) { c.state.values.control.flight_level = 61; }, "flight");
   refused([](Checkpoint& c) { c.state.values.control.shape_terms = 9; }, "terms");
+  refused([](Checkpoint& c) { c.state.values.control.series_scale = -1; }, "next step");
+  refused([](Checkpoint& c) { c.state.values.control.expected_onset = std::nan(""); }, "next step");
+  refused([](Checkpoint& c) { c.state.values.control.expected_release = -1; }, "next step");
   refused([](Checkpoint& c) { c.state.values.sampling.next = -1; }, "next sample");
   refused([](Checkpoint& c) { c.state.arrays[0].pop_back(); }, "another length");
   refused([](Checkpoint& c) { c.state.arrays.pop_back(); }, "another length");

@@ -267,10 +267,14 @@ TEST(AdaptiveErrors, BetweenSmoothFacesAreBelowTheTolerance) {
       const Recording r = simulate(adaptive(each.scene, tolerance));
       ASSERT_EQ(r.end.status, Status::done);
       EXPECT_LT(distance(r, reference), factor * tolerance + floor) << tolerance;
-      // of bodies that settle, contacts that begin beside one another may join at once: how many
-      // have begun (63 to 66) tells nothing, how many there were does
       if (!each.drifts || tolerance < 1e-9) {
         EXPECT_EQ(shocks_of(r), shocks_of(reference)) << tolerance;
+      }
+      // of bodies that settle, contacts may begin beside one another and join at once: how many of
+      // these are seen depends on the steps (63 at 1e-10, else 66)
+      if (!each.drifts || tolerance < 1e-11) {
+        EXPECT_NEAR(r.end.shocks_begun, reference.end.shocks_begun, each.drifts ? 1 : 0)
+            << tolerance;
       }
       EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance) << tolerance;
     }
