@@ -22,6 +22,10 @@ void check(const Model& model, const PeerOptions& options) {
   if (!(options.tolerance >= 1e-15 && options.tolerance <= 0.1))
     throw RequestError(
         fmt::format("tolerance = {}: expected a number from 1e-15 to 0.1", options.tolerance));
+  if (model.has_smooth_faces() || model.is_areal)
+    throw RequestError(
+        "the peers know linear faces of plane scenes alone: expected scene.faces = \"linear\" and "
+        "scene.kind = \"plane\"");
   const double end = model.scene.duration * (1 + 1e-12);
   if (!(options.until > 0 && options.until <= end))
     throw RequestError(fmt::format(

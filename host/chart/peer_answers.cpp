@@ -17,6 +17,13 @@ constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 constexpr double peer_probe = 1e-5;  // s simulated, of the first run of each peer
 
+/// All that the peers know, where they cannot solve a scene; else empty.
+std::string limit_of_peers(const Scene& scene) {
+  if (scene.contact.law != ContactLaw::penalty) return "penalty";
+  if (scene.faces != Faces::linear) return "linear faces";
+  return scene.kind != SceneKind::plane ? "plane scenes" : "";
+}
+
 }  // namespace
 
 PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
@@ -24,11 +31,13 @@ PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
     : survey_{survey},
       reference_{reference},
       starting_{std::min(1.0, 0.01 * survey.options.budget)} {
-  if (survey_.options.peers.empty() || points.empty() ||
-      reference_.setting.law != ContactLaw::penalty) {
+  Scene scene = survey_.scene;
+  scene.contact.law = reference_.setting.law;
+  const std::string limit = limit_of_peers(scene);
+  if (survey_.options.peers.empty() || points.empty() || !limit.empty()) {
     survey_.chart.confirmed = survey_.options.peers.empty()
                                   ? "not confirmed: no peers"
-                                  : "not confirmed: the peers know penalty alone";
+                                  : fmt::format("not confirmed: the peers know {} alone", limit);
     return;
   }
   model_ = points.front().model;

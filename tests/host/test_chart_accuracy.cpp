@@ -113,6 +113,18 @@ Scene crossed_plate() {
   return s;
 }
 
+TEST(Accuracy, PeersAreNotAskedForSmoothFaces) {
+  Scene s = crossed_plate();
+  s.faces = Faces::smooth;
+  s.spacing = 1e-4;
+  const AccuracyChart chart = measure_accuracy(s, {.budget = 10,
+                                                   .repetitions = 1,
+                                                   .steps = {1.6e-5},
+                                                   .tolerances = {1e-5},
+                                                   .peers = "/no/such"});
+  EXPECT_EQ(chart.confirmed, "not confirmed: the peers know linear faces alone");
+}
+
 TEST(Accuracy, ErrorsOfASmoothMotionFallAtTheOrders) {
   const AccuracyChart chart =
       measure_accuracy(crossed_plate(), {.budget = 1000,

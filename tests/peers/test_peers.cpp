@@ -220,6 +220,9 @@ TEST(Peers, RefuseWhatTheyCannotDo) {
   EXPECT_THROW(march_peer(model, make_start(model), {.until = 1.0}), RequestError);
   scene.contact.law = ContactLaw::multiplier;
   EXPECT_THROW(solve(scene, Integrator::cvode_adams, 1e-8), RequestError);
+  scene = peaks_scene();
+  scene.faces = Faces::smooth;
+  EXPECT_THROW(solve(scene, Integrator::cvode_adams, 1e-8), RequestError);
 }
 
 }  // namespace
