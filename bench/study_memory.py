@@ -27,6 +27,7 @@ speed = 0.1
 start = 0.02
 gap = "touching"
 spacing = 1e-4
+faces = "linear"
 [resonator]
 support = "pinned"
 length = 0.06

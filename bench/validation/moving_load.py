@@ -45,7 +45,7 @@ def scene(speed, scheme, setting):
     duration = CROSSINGS * LENGTH / speed
     return {
         "scene": {"duration": duration, "speed": 0.0, "start": 0.14, "gap": 0.01, "spacing": 1e-3,
-                  "initial": "rest"},
+                  "faces": "linear", "initial": "rest"},
         "resonator": {**BEAM, "modes": MODES,
                       "moving_force": [{"force": FORCE, "speed": speed, "start": 0.0}]},
         "slider": {"support": "rigid", "length": 0.02, "width": 0.02},

@@ -56,7 +56,7 @@ class Crossing:
         thickness = 0.02
         return {
             "scene": {"duration": self.duration, "speed": self.speed, "start": 0.0,
-                      "spacing": self.spacing,
+                      "spacing": self.spacing, "faces": "linear",
                       "gap": "touching", "initial": "static"},
             "resonator": {**BEAM, "modes": self.modes},
             "slider": {"support": "free", "length": 2 * self.spacing, "thickness": thickness,

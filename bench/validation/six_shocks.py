@@ -53,7 +53,7 @@ def scene(case, modes, young, stiffness, scheme, setting):
     return {
         "scene": {"duration": DURATION, "speed": SPEED, "start": 0.0,
                   "gap": 2 * HEIGHT - OVERLAP - sum(mean.values()),
-                  "spacing": SPACING, "initial": "rest"},
+                  "spacing": SPACING, "faces": "linear", "initial": "rest"},
         "resonator": body("resonator", RESONATOR, modes[0]),
         "slider": body("slider", SLIDER, modes[1]),
         "contact": {"law": "penalty", "stiffness": stiffness},

@@ -211,8 +211,9 @@ PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, doubl
 
 MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
   MeshTone tone{quiet_nan, false, quiet_nan, quiet_nan};
-  if (!scene || !(scene->speed > 0)) return tone;
-  tone.frequency = scene->speed / scene->spacing;
+  const double frequency = scene ? mesh_tone_frequency(*scene) : 0.0;
+  if (!(frequency > 0)) return tone;
+  tone.frequency = frequency;
   tone.in_spectrum = tone.frequency < a.rate / 2;
   if (!tone.in_spectrum || a.spectrum.mean.empty() || !a.has_modes) return tone;
   tone.rise = rise_at({a.spectrum.resolution, a.spectrum.mean}, tone.frequency);

@@ -140,7 +140,8 @@ void MeshToneWatch::go_on(Sums sums) {
 
 MeshTone MeshToneWatch::tone(const std::vector<double>& weights, const std::vector<double>& natural,
                              double damping) const {
-  MeshTone found{frequency_, frequency_ > 0 && frequency_ < rate_ / 2, quiet_nan, quiet_nan};
+  MeshTone found{frequency_ > 0 ? frequency_ : quiet_nan, frequency_ > 0 && frequency_ < rate_ / 2,
+                 quiet_nan, quiet_nan};
   const std::size_t segments = block_ > 0 ? half_overlapping(rate_, segment_).count(sums_.rows) : 0;
   if (segments == 0) return found;
   const std::size_t length = segment_ / block_;  // averages of a segment

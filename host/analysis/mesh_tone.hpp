@@ -7,9 +7,9 @@
 
 namespace ra2d {
 
-/// The tone of the mesh itself: a node of the slider passes one of the resonator.
+/// The tone that linear faces make: a node of the slider passes one of the resonator.
 struct MeshTone {
-  double frequency = 0;      // Hz, speed / spacing; NaN where the scene is not known
+  double frequency = 0;  // Hz, mesh_tone_frequency; NaN where there is none, or no scene is known
   bool in_spectrum = false;  // below half the rate of the samples
   double rise = 0;           // dB, above the spectrum around it; NaN where that cannot be found
   double by_chance = 0;  // dB, that it may rise without any tone (rise_by_chance); NaN with rise
@@ -33,7 +33,8 @@ double rise_of_a_mode(const std::vector<double>& natural, double damping, double
 /// tone's frequency and averaged under cubic splines so that some 128 values of a segment are left.
 class MeshToneWatch {
  public:
-  /// Watches the samples `first` to `first + count` of a run at `rate` [Hz].
+  /// Watches the frequency, if it is over 0, in the samples `first` to `first + count` of a run at
+  /// `rate` [Hz].
   MeshToneWatch(double frequency, std::size_t first, std::size_t count, double rate,
                 std::size_t modes);
 

@@ -18,7 +18,7 @@ constexpr double time_slack = 1e-6;  // of a sample, for the roundings of its ti
 
 std::optional<Scene> scene_of(const ResultContents& contents,
                               const std::filesystem::path& file) try {
-  return parse_scene(contents.scene, file);
+  return parse_echo(contents.scene, file);
 } catch (const RequestError&) {
   return {};
 }

@@ -5,16 +5,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "host/base/format.hpp"
 #include "host/scene/hertz.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/unit_doubts.hpp"
+#include "host/surface/spline.hpp"
 
 namespace ra2d {
 namespace {
 
 using Doubts = std::vector<std::string>;
+
+bool is_rough(const SurfaceSpec& surface) {
+  return surface.kind == SurfaceKind::gaussian || surface.kind == SurfaceKind::file;
+}
 
 /// Compares the contact stiffness with that of the bodies' materials.
 void doubt_stiffness(const Scene& scene, Doubts& doubts) {
@@ -22,17 +28,18 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
   if (contact.law != ContactLaw::penalty || contact.is_hertz) return;
   if (scene.kind == SceneKind::areal) return;  // its asperities are no ridges
   constexpr double much_stiffer = 2, far_softer = 1e-3;
-  const auto kind = [&](SurfaceKind is) {
-    return scene.resonator.surface.kind == is || scene.slider.surface.kind == is;
-  };
   const double hertz = hertz_stiffness(scene), most = stiffest_half_space(scene);
   if (!std::isfinite(hertz)) return;  // neither body deforms
-  const bool rough = kind(SurfaceKind::gaussian) || kind(SurfaceKind::file);
-  if (!rough && !kind(SurfaceKind::peaks)) return;  // flat on flat: no contact is narrow
+  const SurfaceSpec &of_resonator = scene.resonator.surface, &of_slider = scene.slider.surface;
+  const bool rough = is_rough(of_resonator) || is_rough(of_slider);
+  if (!rough && of_resonator.kind != SurfaceKind::peaks && of_slider.kind != SurfaceKind::peaks)
+    return;  // flat on flat: no contact is narrow
   const double ratio = std::pow(contact.stiffness / hertz, 2.0 / 3);  // of N/m, under one load
   const std::string stiffness = fmt::format("contact.stiffness = {:g} Pa/m: ", contact.stiffness);
   const std::string take = fmt::format("(\"hertz\" takes {:.3g} Pa/m)", hertz);
-  if (contact.stiffness > most)
+  // between smooth faces asperities touch over their own width
+  const bool shows_width = rough && scene.faces == Faces::smooth;
+  if (contact.stiffness > most && !shows_width)
     doubts.push_back(stiffness +
                      fmt::format("stiffer than the bodies' material, which gives a ridge as "
                                  "wide as the slider at most {:.2g} Pa/m on this spacing {}",
@@ -155,6 +162,35 @@ void doubt_cells(const Model& model, Doubts& doubts) {
       rounded_down(scene.spacing * std::pow(allowed / off, 0.25)), allowed));
 }
 
+/// Where nodes are too far apart for a rough face, its spline rings between them. Of a map some
+/// rows are looked at. Peaks touch at their tops, and ring at their feet.
+void doubt_splines(const Model& model, Doubts& doubts) {
+  if (!model.has_smooth_faces()) return;
+  constexpr int most_rows = 64;
+  const Scene& scene = model.scene;
+  for (const auto& [name, body, heights, length] :
+       {std::tuple{"resonator", &scene.resonator, &model.resonator_height, model.row_heights()},
+        std::tuple{"slider", &scene.slider, &model.slider_height, model.row_nodes()}}) {
+    if (!is_rough(body->surface)) continue;
+    double error = 0, off = 0;  // m
+    for (int i = 0, looked_at = std::min(model.rows, most_rows); i < looked_at; ++i) {
+      const double* const first =
+          heights->data() + std::ptrdiff_t{length} * (std::int64_t{i} * model.rows / looked_at);
+      const std::vector<double> row(first, first + length);
+      const double here = spline_error(row);
+      if (!(here > error)) continue;
+      error = here;
+      off = spline_off(row);
+    }
+    if (!(error > most_spline_error)) continue;
+    doubts.push_back(fmt::format(
+        "{}.surface: between nodes {:g} m apart its spline may be off by some {:.2g} m, {:.0f} % "
+        "of its root mean square height, and rates of shocks by as much: take a finer "
+        "scene.spacing, or scene.faces = \"linear\" ('ra2d plan' compares them)",
+        name, scene.spacing, off, 100 * error));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> scene_doubts(const Scene& scene) {
@@ -174,6 +210,7 @@ void doubt_faces(const Model& model, std::vector<std::string>& doubts) {
     doubt_roughness("slider", scene.slider, slider, doubts);
   doubt_gap(model, resonator, slider, doubts);
   doubt_cells(model, doubts);
+  doubt_splines(model, doubts);
 }
 
 void doubt_sound(const Model& model, std::vector<std::string>& doubts) {

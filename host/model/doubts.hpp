@@ -14,7 +14,7 @@ namespace ra2d {
 std::vector<std::string> scene_doubts(const Scene& scene);
 
 /// Appends doubts of a model's faces: heights and slopes that no face has, a gap that does not fit
-/// them, and cells of smooth faces that are too wide for the modes' shapes.
+/// them, and smooth faces whose cells are too wide for the modes' shapes or for their splines.
 void doubt_faces(const Model& model, std::vector<std::string>& doubts);
 
 /// Appends a doubt where microphones would hear modes at frequencies that are not theirs, since

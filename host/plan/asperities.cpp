@@ -189,8 +189,8 @@ Asperities asperities_of(const Model& m, const ModalStart& start) {
     // a bed of springs below a ridge is Hertz's law with the modulus kappa w sqrt(2)
     const double width = std::min(scene.resonator.width, scene.slider.width);
     const double modulus = scene.contact.stiffness * width * std::numbers::sqrt2;
-    found.springs = contact_of(found, modulus, m.node_stiffness);
     const AsperityContact bed = contact_of(found, modulus, 0);  // however narrow it is
+    found.springs = m.has_smooth_faces() ? bed : contact_of(found, modulus, m.node_stiffness);
     // dF/dd = 2 E a with a^2 = R d, and a ridge that is pressed in by d is sqrt(8 R d) wide
     const double a = bed.shock / (2 * modulus);
     found.width = std::numbers::sqrt2 * 2 * a;

@@ -6,8 +6,8 @@
 /// scene's springs make them, and how long their shocks last (docs/schemes.md, "What kappa?").
 namespace ra2d {
 
-/// A contact that carries F = 4/3 E sqrt(R) d^(3/2) when it is pressed in by d, or k d where that
-/// is less stiff than nodes can show.
+/// A contact that carries F = 4/3 E sqrt(R) d^(3/2) when it is pressed in by d; between linear
+/// faces k d where that is less stiff than nodes can show.
 struct AsperityContact {
   double stiffness = 0;  // N/m, dF/dd under the static load; 0 without one
   double shock = 0;      // N/m, at the peak of a shock; 0 where nothing moves

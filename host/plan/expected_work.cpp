@@ -17,17 +17,20 @@ namespace ra2d {
 namespace {
 
 /// Steps of the adaptive scheme in a second. Between linear faces one ends where a node passes
-/// another. Otherwise the fastest mode and the contacts set them.
-double steps_a_second(const Scene& scene, double highest, double nodes_in_contact) {
+/// another. Otherwise the fastest mode and the contacts set them: each begins and ends a step.
+double steps_a_second(const Scene& scene, double highest, double nodes_in_contact,
+                      double contact_duration) {
   const double radians = 2 * M_PI * highest;
-  if (scene.faces == Faces::smooth)
-    return step_costs::smooth_steps_a_radian * radians *
-           (scene.kind == SceneKind::areal
-                ? step_costs::row_smooth_steps +
-                      step_costs::row_smooth_steps_more * nodes_in_contact
-                : 1.0) *
-           std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
-                    1.0 / step_costs::smooth_order);
+  if (scene.faces == Faces::smooth) {
+    double steps = step_costs::smooth_steps_a_radian * radians;
+    if (scene.kind == SceneKind::areal)
+      steps *= step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * nodes_in_contact;
+    else if (contact_duration > 0)
+      steps = step_costs::smooth_steps_a_free_radian * radians +
+              step_costs::smooth_steps_a_contact / contact_duration + scene.speed / scene.spacing;
+    return steps * std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
+                            1.0 / step_costs::smooth_order);
+  }
   const double a_crossing =
       nodes_in_contact > 1 ? step_costs::steps_a_wide_crossing : step_costs::steps_a_crossing;
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;
@@ -60,6 +63,7 @@ struct SceneCount {
   double modes = 0, wide = 1;  // of both bodies; the same over counted_modes, at least 1
   double nodes = 0, node = 0;  // of the slider; ns to evaluate one
   double touching = 1;         // nodes, or cells, in contact at once
+  double lasts = 0;            // s, a contact; 0: not known
   double forces = 0;           // that travel
   bool areal = false, smooth = false;
 };
@@ -70,7 +74,7 @@ constexpr double ns = 1e-9;
 void estimate_adaptive(const Scene& scene, const SceneCount& count, double highest,
                        ExpectedWork& work) {
   const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
-  work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching);
+  work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching, count.lasts);
   const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
                            (count.areal ? step_costs::row_groups : 0.0);
   const double step =
@@ -117,7 +121,7 @@ void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& w
 
 }  // namespace
 
-ExpectedWork expected_work(const Scene& scene, double contact_width) {
+ExpectedWork expected_work(const Scene& scene, const UsualContact& contact) {
   constexpr int most_counted = 2000;  // modes
   const auto modes_of = [](const BodySpec& body) { return mode_count(body, most_counted); };
   const auto highest_of = [&](const BodySpec& body) {
@@ -132,7 +136,7 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
   // nodes, or cells, that a contact is wide
   const double touching = areal
                               ? step_costs::row_contacts * touching_on_maps(scene)
-                              : std::max(1.0, contact_width / scene.spacing + (smooth ? 1.0 : 0.0));
+                              : std::max(1.0, contact.width / scene.spacing + (smooth ? 1.0 : 0.0));
 
   ExpectedWork work;
   work.readiness =
@@ -148,6 +152,7 @@ ExpectedWork expected_work(const Scene& scene, double contact_width) {
       .nodes = nodes,
       .node = areal ? step_costs::row_node + step_costs::row_node_mode * modes : step_costs::node,
       .touching = touching,
+      .lasts = contact.duration,
       .forces = static_cast<double>(scene.resonator.moving_forces.size()),
       .areal = areal,
       .smooth = smooth};

@@ -13,11 +13,17 @@ struct ExpectedWork {
   double seconds() const { return march + readiness; }
 };
 
-/// With a contact half of the time, as rough faces have it: `contact_width` [m] wide, or one node
-/// where that is 0. The steps of `adaptive` are right within a factor of 3
+/// A contact at the peak of a shock, and how long it lasts; 0 where that is not known.
+struct UsualContact {
+  double width = 0;     // m
+  double duration = 0;  // s
+};
+
+/// With a contact half of the time, as rough faces have it; of one node where its width is not
+/// known. The steps of `adaptive` are right within a factor of 3
 /// (tests/host/test_plan.cpp counts them), the seconds within as much on the machine that they were
 /// measured on. Where hundreds of nodes lie on one another all the time a run takes longer:
 /// 'ra2d plan' says how long at the worst.
-ExpectedWork expected_work(const Scene& scene, double contact_width = 0);
+ExpectedWork expected_work(const Scene& scene, const UsualContact& contact = {});
 
 }  // namespace ra2d

@@ -41,8 +41,7 @@ bool holds(const FaceChoice& choice) { return choice.errors.most() <= face_accur
 /// The scene's choices, one by one.
 class Chooser {
  public:
-  Chooser(const Model& model, double width, double sliding_distance)
-      : model_{model}, width_{width}, sliding_distance_{sliding_distance} {}
+  Chooser(const Model& model, const UsualContact& contact) : model_{model}, contact_{contact} {}
 
   /// Adds a choice and returns whether it holds; nothing where the scene cannot have it.
   std::optional<bool> add(Faces faces, double spacing) {
@@ -53,12 +52,13 @@ class Chooser {
     scene.spacing = spacing;
     try {
       if (!choice.is_own && !can_be(scene)) return std::nullopt;
-      choice.errors = faces == Faces::smooth ? smooth_errors(spline_errors(scene))
-                                             : linear_errors(spacing, width_, sliding_distance_);
+      choice.errors = faces == Faces::smooth
+                          ? smooth_errors(spline_errors(scene))
+                          : linear_errors(spacing, contact_.width, scene.speed * contact_.duration);
     } catch (const RequestError&) {  // of a measured face, too wide a spacing
       return std::nullopt;
     }
-    choice.seconds = expected_work(scene, width_).seconds();
+    choice.seconds = expected_work(scene, contact_).seconds();
     found_.push_back(choice);
     return holds(choice);
   }
@@ -70,7 +70,8 @@ class Chooser {
     if (!first) return;
     if (*first)
       for (int k = 1; k <= most_wider && add(faces, own * std::exp2(k)).value_or(false);) ++k;
-    else if (faces == Faces::smooth || width_ > 0)  // under multipliers finer ones do not help
+    else if (faces == Faces::smooth ||
+             contact_.width > 0)  // under multipliers finer ones do not help
       for (int k = 1; k <= most_finer && !add(faces, own * std::exp2(-k)).value_or(true);) ++k;
   }
 
@@ -96,7 +97,7 @@ class Chooser {
   }
 
   const Model& model_;
-  double width_, sliding_distance_;  // m, of a contact; of the slider while it lasts
+  UsualContact contact_;
   std::vector<FaceChoice> found_;
 };
 
@@ -120,31 +121,11 @@ FaceErrors smooth_errors(double off) {
           .duration = std::min(most_duration, smooth_shocks * off)};
 }
 
-double spline_off(const std::vector<double>& height) {
-  const double fine = spline_miss(height);
-  if (!(fine > 0)) return 0;
-  std::vector<double> every_other;
-  for (std::size_t i = 0; i < height.size(); i += 2) every_other.push_back(height[i]);
-  return fine / std::clamp(spline_miss(every_other) / fine, 1.0, 16.0);
-}
-
-double spline_error(const std::vector<double>& height) {
-  double square = 0;
-  for (const double h : height) square += h * h;
-  const double rms = std::sqrt(square / static_cast<double>(height.size()));
-  return rms > 0 ? spline_off(height) / rms : 0.0;
-}
-
-bool spline_follows(const std::vector<double>& height) {
-  return smooth_errors(spline_error(height)).most() <= face_accuracy;
-}
-
 FaceChoices choose_faces(const Model& model, const Asperities& asperities) {
   const bool springs = model.scene.contact.law == ContactLaw::penalty;
   FaceChoices found;
   if (asperities.radius == 0 || (springs && !(asperities.width > 0))) return found;
-  Chooser chooser(model, springs ? asperities.width : 0.0,
-                  model.scene.speed * asperities.springs.duration);
+  Chooser chooser(model, {asperities.width, asperities.springs.duration});
   chooser.add_all(Faces::linear);
   chooser.add_all(Faces::smooth);
   found.list = chooser.found();

@@ -38,18 +38,6 @@ inline constexpr double face_accuracy = 0.02;
 /// best.
 FaceChoices choose_faces(const Model& model, const Asperities& asperities);
 
-/// How far a spline through the nodes is off between them [m], about the most: what one through
-/// every other node misses, over the factor by which such misses fall when the spacing is halved
-/// (16 where the face is smooth, 1 at a step).
-double spline_off(const std::vector<double>& height);
-
-/// That over the root mean square height; 0 of a flat face.
-double spline_error(const std::vector<double>& height);
-
-/// Whether smooth faces of these heights hold `face_accuracy`. Beside corners, steps and spikes
-/// splines ring.
-bool spline_follows(const std::vector<double>& height);
-
 /// Linear faces of nodes so far apart, where a contact is `width` [m] wide (0: under multipliers)
 /// and the slider moves on by `sliding_distance` [m] while a shock lasts.
 FaceErrors linear_errors(double spacing, double width, double sliding_distance);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
@@ -15,7 +14,6 @@
 #include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
-#include "host/surface/spline.hpp"
 
 namespace ra2d {
 namespace {
@@ -245,10 +243,9 @@ void note_step(const Model& model, Plan& plan) {
                                      plan.contact_period / scene.time.step));
 }
 
-/// The faces are straight between nodes: nodes that pass nodes make a tone of their own.
+/// Adds a note on the tone that linear faces make.
 void note_mesh(const Scene& scene, Plan& plan) {
-  if (scene.faces == Faces::smooth) return;
-  const double tone = scene.speed / scene.spacing;  // Hz
+  const double tone = mesh_tone_frequency(scene);
   const double highest = std::max(plan.resonator.highest, plan.slider.highest);
   if (!(tone > 0 && tone < highest)) return;
   plan.notes.push_back(fmt::format(
@@ -257,33 +254,6 @@ void note_mesh(const Scene& scene, Plan& plan) {
       "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
       "scene.faces = \"smooth\"",
       tone, highest, rounded_down(scene.speed / highest)));
-}
-
-/// Between nodes that are too far apart for a face, its spline rings. Of a map some rows are looked
-/// at.
-void note_splines(const Model& model, Plan& plan) {
-  if (!model.has_smooth_faces()) return;
-  constexpr int most_rows = 64;
-  for (const auto& [name, heights, length] :
-       {std::tuple{"resonator", &model.resonator_height, model.row_heights()},
-        std::tuple{"slider", &model.slider_height, model.row_nodes()}}) {
-    bool follows = true;
-    double miss = 0, off = 0;
-    for (int i = 0, looked_at = std::min(model.rows, most_rows); i < looked_at; ++i) {
-      const double* const first =
-          heights->data() + std::ptrdiff_t{length} * (std::int64_t{i} * model.rows / looked_at);
-      const std::vector<double> row(first, first + length);
-      follows = follows && spline_follows(row);
-      miss = std::max(miss, spline_miss(row));
-      off = std::max(off, spline_off(row));
-    }
-    if (follows) continue;
-    plan.notes.push_back(fmt::format(
-        "the {}'s face is not smooth on this spacing: a spline through every other node misses "
-        "those between by up to {:.2g} m, so that through all of them may be off by some {:.2g} m "
-        "between its nodes. A finer scene.spacing, or scene.faces = \"linear\"",
-        name, miss, off));
-  }
 }
 
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
@@ -631,7 +601,6 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
   if (!is_adaptive(scene)) note_step(model, plan);
   note_mesh(scene, plan);
-  note_splines(model, plan);
   plan.sound = plan_sound(model, plan.notes);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);

@@ -37,16 +37,18 @@ inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 inline constexpr double row_smooth_steps = 0.75, row_smooth_steps_more = 0.065,
                         row_smooth_more_share = 0.55;
 // Between smooth faces: a step with contact, of nine points.
-inline constexpr double smooth_step = 5700.0;
+inline constexpr double smooth_step = 4000.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
 // average over runs of rough faces, for each that a contact is wide.
 inline constexpr double more_share = 0.25, usual_more_share = 0.14;
 // Steps of the adaptive scheme: for each node that a node passes, where contacts are narrower than
 // a spacing, and where they are wide; for each radian of the fastest mode. Between smooth faces no
-// node ends a step, and a radian takes so many steps at the tolerance of 1e-6; the error of a step
-// goes with this power of its length.
+// node ends a step, and a radian takes so many steps at the tolerance of 1e-6; where it is known
+// how long contacts last, so many a radian, and so many in that time, for not all of it is contact.
+// The error of a step goes with this power of its length.
 inline constexpr double steps_a_crossing = 1.2, steps_a_wide_crossing = 3.5, steps_a_radian = 0.45,
-                        smooth_steps_a_radian = 0.7, smooth_order = 16;
+                        smooth_steps_a_radian = 0.7, smooth_steps_a_free_radian = 0.2,
+                        smooth_steps_a_contact = 1.2, smooth_order = 16;
 
 // Of forces that are found with the end of the step, at many nodes
 // (kernels/contact/complementarity.hpp): each pressed one after the other, by the cube of how many;

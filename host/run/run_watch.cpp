@@ -32,8 +32,8 @@ RunWatch::RunWatch(const Model& model, Sink* next)
       first_{static_cast<std::uint64_t>(model.first_sample)},
       damping_{model.scene.resonator.damping},
       parts_{first_sample(model), samples_of(model), rate_of(model), model.resonator.modes.size()},
-      tone_{std::abs(model.scene.speed) / model.scene.spacing, first_sample(model),
-            samples_of(model), rate_of(model), model.resonator.modes.size()} {
+      tone_{mesh_tone_frequency(model.scene), first_sample(model), samples_of(model),
+            rate_of(model), model.resonator.modes.size()} {
   for (const BodyMode& mode : model.resonator.modes)
     frequencies_.push_back(mode.omega / (2 * std::numbers::pi));
 }

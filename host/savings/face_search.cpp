@@ -12,6 +12,7 @@
 #include "host/plan/expected_work.hpp"
 #include "host/plan/face_choices.hpp"
 #include "host/savings/trials.hpp"
+#include "host/surface/spline.hpp"
 
 namespace ra2d {
 namespace {
@@ -20,21 +21,22 @@ constexpr const char* faces_key = "scene.faces";
 /// Costs that differ by less are alike.
 constexpr double alike_costs = 0.95;
 
-bool says_faces(const Scene& scene) { return scene.places && scene.places->contains(faces_key); }
-
 bool is_flat(const Scene& scene) {
   return scene.resonator.surface.kind == SurfaceKind::flat &&
          scene.slider.surface.kind == SurfaceKind::flat;
 }
 
-bool chooses_faces(const SavingsSearch& search) {
-  return search.whole.faces != search.out.written.faces;
+/// Whether linear and smooth faces are compared.
+bool chooses_faces(const Scene& reference) {
+  // smooth faces on maps cost more than fine linear ones that are as good
+  return reference.faces == Faces::smooth && reference.kind == SceneKind::plane &&
+         !is_flat(reference);
 }
 
 /// Runs the base with other faces, and adds how far it moves.
 const Trial& try_faces(SavingsSearch& search, Faces faces, double spacing, double end,
                        double latest, double expected_cost = 0) {
-  const bool chooses = chooses_faces(search);
+  const bool chooses = chooses_faces(search.whole);
   const Scene& written = search.out.written;
   const auto change = [faces, spacing](Scene& s) {
     s.faces = faces;
@@ -85,9 +87,10 @@ void widen(SavingsSearch& search, Faces faces, double end) {
   }
 }
 
-/// Finer linear faces, until some hold, or cost as much as the best ones so far.
-void refine_linear(SavingsSearch& search, double best, double end) {
-  for (double spacing = search.whole.spacing / 2; search.left(end) > 0; spacing /= 2) {
+/// Linear faces of this spacing and finer ones, until some hold, or cost as much as the best ones
+/// so far.
+void refine_linear(SavingsSearch& search, double spacing, double best, double end) {
+  for (; search.left(end) > 0; spacing /= 2) {
     const double cost = cost_with(search, Faces::linear, spacing);
     if (!(cost < alike_costs * search.base->cost() / best)) return;
     const Trial& trial =
@@ -123,29 +126,28 @@ std::pair<double, std::optional<std::size_t>> cheapest_faces(const SavingsSearch
 
 Scene with_faces_of_reference(const Scene& written) {
   Scene scene = written;
-  // smooth faces on maps cost more than fine linear ones that are as good
-  if (says_faces(written) || is_flat(written) || written.kind == SceneKind::areal) return scene;
   scene.faces = Faces::smooth;
+  if (written.faces == Faces::smooth || !chooses_faces(scene)) return written;
   try {
     const Model model = make_model(scene);
-    if (spline_follows(model.resonator_height) && spline_follows(model.slider_height)) return scene;
+    if (spline_error(model.resonator_height) <= most_spline_error &&
+        spline_error(model.slider_height) <= most_spline_error)
+      return scene;
   } catch (const RequestError&) {  // the scene's own fault is found where it is run
   }
   return written;
 }
 
 void check_faces(SavingsSearch& search, double end) {
-  if (!chooses_faces(search)) return;
   const Scene& written = search.out.written;
+  if (written.faces == search.whole.faces) return;
   const double cost = cost_with(search, written.faces, written.spacing);
   try_faces(search, written.faces, written.spacing, end, end, std::isfinite(cost) ? cost : 0.0);
 }
 
 void find_faces(SavingsSearch& search, double end) {
-  if (!chooses_faces(search)) {
-    if (says_faces(search.whole) && !is_flat(search.whole))
-      search.out.notes.push_back(
-          "the scene says which faces it has: without scene.faces others are tried, too");
+  const double own = search.whole.spacing;
+  if (!chooses_faces(search.whole)) {
     widen(search, search.whole.faces, end);
     for (auto trial = search.out.trials.rbegin(); trial != search.out.trials.rend(); ++trial)
       if (trial->key == "scene.spacing" && !trial->checked && trial->verdict == Verdict::kept) {
@@ -154,13 +156,16 @@ void find_faces(SavingsSearch& search, double end) {
       }
     return;
   }
-  const Verdict own = faces_as_written(search.out)->verdict;
-  if (own == Verdict::kept) widen(search, Faces::linear, search.next_end(end, 2));
+  const Trial* const written = faces_as_written(search.out);
+  const std::optional<Verdict> linear =
+      written ? std::optional(written->verdict) : std::nullopt;  // of the scene's spacing
+  if (linear == Verdict::kept) widen(search, Faces::linear, search.next_end(end, 2));
   widen(search, Faces::smooth, search.next_end(end, 2));
-  if (own == Verdict::moved) refine_linear(search, cheapest_faces(search).first, end);
+  if (!linear || linear == Verdict::moved)
+    refine_linear(search, linear ? own / 2 : own, cheapest_faces(search).first, end);
   if (const auto best = cheapest_faces(search).second) search.out.trials[*best].taken = true;
   // what the savings below start from, and where they end if all of them are given up
-  if (own != Verdict::open) search.out.chosen.faces = search.whole.faces;
+  if (linear != Verdict::open) search.out.chosen.faces = search.whole.faces;
 }
 
 const Trial* faces_as_written(const Savings& savings) {

@@ -5,16 +5,16 @@
 /// The cheapest faces and spacing that keep the answer.
 namespace ra2d {
 
-/// The scene with the faces that all others are compared with: smooth ones, where the scene says
-/// nothing of faces, one is rough, and splines follow them on this spacing. Otherwise its own.
+/// The scene with the faces that all others are compared with: smooth ones, if it is plane, one of
+/// its faces is rough, and splines follow them on this spacing. Otherwise its own.
 Scene with_faces_of_reference(const Scene& written);
 
 /// Whether the faces as written hold, where the reference has others. Until `end`, a share of the
 /// budget.
 void check_faces(SavingsSearch& search, double end);
 
-/// Tries other faces and spacings until `end`, a share of the budget. Where the scene says which
-/// faces it has, only wider spacings are tried.
+/// Tries other faces and spacings until `end`, a share of the budget. Where the reference's faces
+/// are not smooth, or are maps, only wider spacings are tried.
 void find_faces(SavingsSearch& search, double end);
 
 /// The trial of the faces as written; null where they are the reference's.

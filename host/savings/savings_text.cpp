@@ -193,32 +193,35 @@ std::string describe_part(const Savings& s, const std::string& key, const std::s
                                                      : " for sure");
 }
 
-/// Which faces, where the scene leaves them open.
+/// Whether linear and smooth faces were compared.
+bool compares_faces(const Savings& s) {
+  return std::any_of(s.trials.begin(), s.trials.end(),
+                     [](const Trial& trial) { return trial.key == "scene.faces"; });
+}
+
 std::string describe_faces(const Savings& s) {
-  if (s.reference.faces == s.written.faces) return {};
   const std::string written = faces_text(s.written.faces, s.written.spacing);
   if (s.chosen.faces != s.written.faces || s.chosen.spacing != s.written.spacing)
     return fmt::format("           faces: {} instead of {}\n",
                        faces_text(s.chosen.faces, s.chosen.spacing), written);
   const Trial* own = faces_as_written(s);
   return fmt::format("           faces: {} as written{}\n", written,
-                     own != nullptr && own->verdict == Verdict::kept    ? ""
-                     : own != nullptr && own->verdict == Verdict::moved ? ", which are too far off"
-                                                                        : ", which stays open");
+                     own == nullptr || own->verdict == Verdict::kept ? ""
+                     : own->verdict == Verdict::moved                ? ", which are too far off"
+                                                                     : ", which stays open");
 }
 
-/// The comment on chosen faces in a planned scene; empty where they are as written, or the scene
-/// says which it has.
+/// The comment on chosen faces in a planned scene; empty where they are as written.
 std::string faces_note(const Savings& s) {
-  const Trial* own = faces_as_written(s);
-  if (own == nullptr ||
+  if (!compares_faces(s) ||
       (s.chosen.faces == s.written.faces && s.chosen.spacing == s.written.spacing))
     return {};
   std::string text = fmt::format("# was {}", faces_text(s.written.faces, s.written.spacing));
-  if (own->verdict == Verdict::moved)
+  const Trial* own = faces_as_written(s);
+  if (own != nullptr && own->verdict == Verdict::moved)
     text += fmt::format(", which moves {}", movement_text(*own, s.accuracy));
   for (const Trial& trial : s.trials)
-    if (trial.taken && trial.key == own->key)
+    if (trial.taken && trial.key == "scene.faces")
       text += fmt::format("; alone it moves {}", movement_text(trial, s.accuracy));
   return text;
 }
@@ -266,9 +269,8 @@ std::string describe(const Savings& s) {
   text += "\nneeded     " + choice_text(s.chosen) + '\n';
   text += describe_part(s, "resonator.modes", modes_of(s.written.resonator));
   text += describe_part(s, "slider.modes", modes_of(s.written.slider));
-  text += s.reference.faces == s.written.faces
-              ? describe_part(s, "scene.spacing", spacing_of(s.written))
-              : describe_faces(s);
+  text += compares_faces(s) ? describe_faces(s)
+                            : describe_part(s, "scene.spacing", spacing_of(s.written));
   if (const std::vector<std::string> words = set_words(s); !words.empty())
     text += fmt::format("set        {}\n", fmt::join(words, " "));
   if (const Trial* rest = resting_on(s)) {

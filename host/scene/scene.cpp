@@ -38,6 +38,10 @@ void set_spacing(Scene& scene, double spacing) {
   scene.spacing = spacing;
 }
 
+double mesh_tone_frequency(const Scene& scene) {
+  return scene.faces == Faces::linear ? scene.speed / scene.spacing : 0.0;
+}
+
 bool has_equilibrium(const Scene& scene) {
   if (scene.resonator.support == Support::free) return false;
   return scene.slider.support != Support::free || scene.slider.load_is_weight ||

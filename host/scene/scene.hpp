@@ -204,6 +204,9 @@ void make_areal(Scene& scene);
 /// Gives a scene another spacing, and an areal one another spacing_y in the same proportion.
 void set_spacing(Scene& scene, double spacing);
 
+/// How often nodes of linear faces pass one another, which makes a tone [Hz]; 0 where none do.
+double mesh_tone_frequency(const Scene& scene);
+
 /// Whether loads and contact can hold the scene's bodies in equilibrium: not a free resonator, nor
 /// a free slider that no load presses down.
 bool has_equilibrium(const Scene& scene);

@@ -234,9 +234,10 @@ const Keys<Scene>& of_scene() {
         may_stand<Scene>("the slider in the middle"),
         "where the slider's side stands on the resonator",
         {"areal", of_areal_scene}},
-       {"faces", choice(&Scene::faces, face_choices, Faces::linear), may_stand<Scene>(),
-        "straight from node to node, or [splines](schemes.md#smooth-faces), along which contact is "
-        "integrated: it has no spacing of its own"},
+       {"faces", choice(&Scene::faces, face_choices, Faces::linear),
+        has_default<Scene>("`\"smooth\"`, of areal scenes `\"linear\"`"),
+        "[splines](schemes.md#smooth-faces) through the nodes, along which contact is integrated; "
+        "or straight from node to node, with contact at the nodes, as in the paper"},
        {"initial", choice(&Scene::initial, initial_states, Initial::rest),
         has_default<Scene>("`\"static\"` where there is an equilibrium, else `\"rest\"`"),
         "how the bodies stand at t = 0"}}};

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr double audible = 20e3;                 // Hz
 constexpr double usual_rate = 100e3;             // Hz
-constexpr double nodes_to_rsm = 150;             // at least
+constexpr double nodes_to_rsm = 50;              // at least: splines follow random faces
 constexpr double most_nodes_of_new_scene = 2e6;  // on the resonator
 constexpr double map_nodes_to_rsm = 50;          // of areal scenes: contacts are a few nodes wide
 constexpr double most_nodes_of_new_block = 2e6;  // of areal scenes, on the slider
@@ -388,18 +388,14 @@ double spacing_of_new_areal_scene(const NewScene& scene) {
   return round_down(std::min(std::max(spacing, std::sqrt(area / most_nodes_of_new_block)), widest));
 }
 
-/// Fine enough for the roughness, and for the tone that the nodes make, speed/spacing, to lie above
-/// the highest mode; but for that alone no finer than a few times.
-double spacing_of_new_scene(const NewScene& scene, double highest) {
-  constexpr double finer_for_tone = 4;
+/// Fine enough for the roughness.
+double spacing_of_new_scene(const NewScene& scene) {
   double spacing = std::min(scene.slider.length.value, scene.resonator.length.value) / 100;
   for (const NewFace* face : {&scene.resonator.face, &scene.slider.face}) {
     if (face->kind == NewFace::Kind::random)
       spacing = std::min(spacing, round_down(face->rsm.value / nodes_to_rsm));
     if (face->kind == NewFace::Kind::profile) spacing = std::min(spacing, face->spacing);
   }
-  const double beyond_tone = round_down(scene.speed.value / (1.01 * highest));
-  spacing = std::min(spacing, std::max(beyond_tone, spacing / finer_for_tone));
   return std::max(spacing, round_down(scene.resonator.length.value / most_nodes_of_new_scene));
 }
 
@@ -577,8 +573,7 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
   const double highest = highest_frequency(
       spec_of(scene.resonator, Support::pinned, is_areal ? BodyKind::plate : BodyKind::beam),
       fewest_modes, most_resonator_modes);
-  const double spacing =
-      is_areal ? spacing_of_new_areal_scene(scene) : spacing_of_new_scene(scene, highest);
+  const double spacing = is_areal ? spacing_of_new_areal_scene(scene) : spacing_of_new_scene(scene);
   const double highest_of_slider =
       highest_frequency(spec_of(scene.slider, Support::free), 0, most_slider_modes);
   const std::string name = printable(file.filename().string());

@@ -20,6 +20,7 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t largest_file = 16u << 20;  // bytes
+const std::string linear_faces = "scene.faces=linear";
 
 template <class Part>
 Reader read_section(Document& document, const std::string& name, const keys::Keys<Part>& keys,
@@ -29,15 +30,18 @@ Reader read_section(Document& document, const std::string& name, const keys::Key
   return in;
 }
 
-/// The values that follow from those of other keys.
-void complete(Scene& scene, bool has_initial) {
+/// The values that follow from those of other keys; `first` has those of the scene itself.
+void complete(Scene& scene, const Reader& first) {
   if (scene.kind == SceneKind::areal) make_areal(scene);
   if (scene.contact.is_hertz) scene.contact.stiffness = hertz_stiffness(scene);
   if (keys::takes_hertz(scene.contact))
     for (BodySpec* body : {&scene.resonator, &scene.slider})
       if (body->young != 0) body->poisson = body->poisson.value_or(usual_poisson);
   if (is_adaptive(scene)) scene.time.tolerance = scene.time.tolerance.value_or(usual_tolerance);
-  if (!has_initial) scene.initial = has_equilibrium(scene) ? Initial::statics : Initial::rest;
+  if (!first.has("faces"))  // on maps linear ones cost least (docs/accuracy.md)
+    scene.faces = scene.kind == SceneKind::areal ? Faces::linear : Faces::smooth;
+  if (!first.has("initial"))
+    scene.initial = has_equilibrium(scene) ? Initial::statics : Initial::rest;
 }
 
 Scene read(Document& document, const std::filesystem::path& file) {
@@ -59,7 +63,7 @@ Scene read(Document& document, const std::filesystem::path& file) {
   read_section(document, "time", keys::of_time(), scene.time);
   read_section(document, "output", keys::of_output(), scene.output);
   read_section(document, "air", keys::of_air(), scene.air);
-  complete(scene, first.has("initial"));
+  complete(scene, first);
   return scene;
 }
 
@@ -109,6 +113,12 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file,
   }
   scene.places = std::make_shared<const std::map<std::string, std::string>>(document.places());
   return scene;
+}
+
+Scene parse_echo(const std::string& text, const std::filesystem::path& file) {
+  const bool says_faces = text.find("\nfaces = ") != text.npos;
+  return parse_scene(text, file,
+                     says_faces ? std::vector<std::string>{} : std::vector{linear_faces});
 }
 
 Scene read_scene(const std::filesystem::path& file, const std::vector<std::string>& overrides) {

@@ -30,6 +30,10 @@ Scene parse_scene(const ParsedText& text, const std::filesystem::path& file,
 /// Keys that the scene's choices do not use carry a comment "# not used: why".
 std::string echo(const Scene& scene);
 
+/// Reads the echo that a result keeps. Those of programs whose faces were linear by default have no
+/// key `faces` where they are. Throws as parse_scene.
+Scene parse_echo(const std::string& text, const std::filesystem::path& file);
+
 /// A surface as the inline table of a scene in `folder`.
 std::string surface_text(const SurfaceSpec& surface, const std::filesystem::path& folder);
 

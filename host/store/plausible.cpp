@@ -23,7 +23,7 @@ constexpr double level_slack = 1e-9;  // dB: roundings of a logarithm of another
 
 /// The scene that bounds times and places; none where this program does not understand it.
 std::optional<Scene> scene_in(const ResultContents& contents) try {
-  return parse_scene(contents.scene, "the scene of the result");
+  return parse_echo(contents.scene, "the scene of the result");
 } catch (const RequestError&) {
   return std::nullopt;
 }

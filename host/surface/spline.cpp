@@ -48,4 +48,19 @@ double spline_miss(const std::vector<double>& height) {
   return most;
 }
 
+double spline_off(const std::vector<double>& height) {
+  const double fine = spline_miss(height);
+  if (!(fine > 0)) return 0;
+  std::vector<double> every_other;
+  for (std::size_t i = 0; i < height.size(); i += 2) every_other.push_back(height[i]);
+  return fine / std::clamp(spline_miss(every_other) / fine, 1.0, 16.0);
+}
+
+double spline_error(const std::vector<double>& height) {
+  double square = 0;
+  for (const double h : height) square += h * h;
+  const double rms = std::sqrt(square / static_cast<double>(height.size()));
+  return rms > 0 ? spline_off(height) / rms : 0.0;
+}
+
 }  // namespace ra2d

@@ -19,4 +19,17 @@ std::vector<double> spline_misses(const std::vector<double>& height);
 /// The largest of them [m].
 double spline_miss(const std::vector<double>& height);
 
+/// How far a spline through the nodes is off between them [m], about the most: what one through
+/// every other node misses, over the factor by which such misses fall when the spacing is halved
+/// (16 where the face is smooth, 1 at a step).
+double spline_off(const std::vector<double>& height);
+
+/// That over the root mean square height; 0 of a flat face. Rates and durations of shocks are off
+/// by about as much (docs/accuracy.md).
+double spline_error(const std::vector<double>& height);
+
+/// The largest error at which a spline is said to follow a face. Beside corners, steps and spikes
+/// splines ring.
+inline constexpr double most_spline_error = 0.02;
+
 }  // namespace ra2d

@@ -97,6 +97,7 @@ TEST(ArealScene, HasDefaults) {
   EXPECT_EQ(s.slider.kind, BodyKind::block);
   EXPECT_EQ(s.spacing_y, 2e-4);
   EXPECT_EQ(s.side, 0.5 * (0.04 - 1.2e-3));
+  EXPECT_EQ(s.faces, Faces::linear);
   EXPECT_EQ(s.resonator.poisson, 0.3);
   const Model m = make_model(s);
   EXPECT_TRUE(m.is_areal);
@@ -604,7 +605,7 @@ TEST_F(ArealProgram, PlansWhatItWouldModel) {
                               HasSubstr("100 um apart along, 200 um")));
   // nothing that is of ridges
   EXPECT_THAT(text.out, AllOf(Not(HasSubstr("asperity")), Not(HasSubstr("hertz")),
-                              Not(HasSubstr("\nfaces ")), Not(HasSubstr("inf"))));
+                              Not(HasSubstr("\nfaces   ")), Not(HasSubstr("inf"))));
   const test::Ended ended = run(rough({"plan", "s.toml", "--json"}));
   ASSERT_EQ(ended.status, 0) << ended.err;
   const Json plan = Json::parse(ended.out);

@@ -184,6 +184,33 @@ TEST(Doubts, CellsTooWideForTheModesShapes) {
   EXPECT_THAT(with("time.step=1e-8"), Contains(HasSubstr("it is 1e-06")));
 }
 
+TEST(Doubts, SplinesThatRing) {
+  const auto of = [](const std::string& faces, double spacing) {
+    const std::string fractal =
+        "surface={kind=\"gaussian\", correlation=\"self-affine\", "
+        "rq=8e-6, hurst=0.7, longest=3e-3, shortest=16e-6, seed=1}";
+    return said("dang2012",
+                {"scene.faces=" + faces, fmt::format("scene.spacing={}", spacing),
+                 "contact.stiffness=hertz", "resonator." + fractal, "slider." + fractal});
+  };
+  const auto rings = AllOf(HasSubstr("between nodes 8e-06 m apart its spline may be off"),
+                           HasSubstr(" % of its root mean square height"));
+  const Texts said_of_both = of("smooth", 8e-6);
+  EXPECT_THAT(said_of_both, Contains(AllOf(HasSubstr("resonator.surface: "), rings)));
+  EXPECT_THAT(said_of_both, Contains(AllOf(HasSubstr("slider.surface: "), rings)));
+  EXPECT_THAT(of("smooth", 2e-6), Not(Contains(HasSubstr("spline"))));
+  EXPECT_THAT(of("linear", 8e-6), Not(Contains(HasSubstr("spline"))));
+}
+
+/// Between smooth faces an asperity touches over its own width, however far apart nodes are.
+TEST(Doubts, AStiffnessBetweenSmoothFacesHasNoSpacing) {
+  const auto at = [](const std::string& faces) {
+    return said("dang2012", {"scene.spacing=32e-6", "contact.stiffness=1e16", faces});
+  };
+  EXPECT_THAT(at("scene.faces=linear"), Contains(HasSubstr("on this spacing")));
+  EXPECT_THAT(at("scene.faces=smooth"), Contains(HasSubstr("times as stiff as the half-spaces")));
+}
+
 TEST(Doubts, AStiffnessBeyondTheHalfSpace) {
   const auto of = [](const std::string& name, const std::string& value) {
     Texts found;

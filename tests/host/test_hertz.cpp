@@ -163,6 +163,18 @@ TEST(Asperities, OfThePapersSceneAreSoft) {
   EXPECT_LT(1 / a.radius, 1.5 * mean);
 }
 
+/// A node's spring, or a contact that is narrower than a cell.
+TEST(Asperities, SpacingStiffensContactsOfLinearFacesAlone) {
+  const auto shock = [](const std::string& faces, double spacing) {
+    const Scene s = paper_with({"scene.faces=" + faces, fmt::format("scene.spacing={}", spacing)});
+    return asperities(s).springs.shock / make_model(s).node_stiffness;
+  };
+  EXPECT_EQ(shock("linear", 32e-6), 1);
+  EXPECT_EQ(shock("linear", 64e-6), 1);
+  EXPECT_LT(shock("smooth", 32e-6), 1);
+  EXPECT_NEAR(shock("smooth", 64e-6) / shock("smooth", 32e-6), 0.5, 0.01);  // over twice the cell
+}
+
 TEST(Asperities, TheWordGivesTheSceneWhatTheMaterialHas) {
   const Asperities a = asperities(paper_with({"contact.stiffness=hertz"}));
   EXPECT_NEAR(a.springs.stiffness, a.material.stiffness, 1e-12 * a.material.stiffness);

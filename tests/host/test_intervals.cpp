@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -316,6 +317,32 @@ TEST(ErrorBars, OfOneRunAreTheSameWhereverTheyStand) {
   ASSERT_EQ(ra2d({"analyze", "whole.h5", "--csv", "x"}).status, 0);
   EXPECT_THAT(test::read_file(folder.path() / "x-figures.csv"),
               testing::StartsWith("of,level_dB,level_low_dB,level_high_dB,shocks_1/s"));
+}
+
+TEST(MeshToneWatch, HasNothingToWatchBetweenSmoothFaces) {
+  const test::Folder folder;
+  const auto said = [&](const char* faces) {
+    const auto ra2d = [&](std::vector<std::string> words) {
+      words.insert(words.begin(), test::program());
+      return test::run_program(folder.path(), words);
+    };
+    std::vector<std::string> run{"run",   test::scene_file("dang2012"), "-o", "a.h5", "--force",
+                                 "--json"};
+    for (const std::string& set :
+         {std::string("scene.faces=") + faces, std::string("time.scheme=adaptive"),
+          std::string("scene.duration=0.01")})
+      run.insert(run.end(), {"--set", set});
+    const test::Ended ran = ra2d(run), analyzed = ra2d({"analyze", "a.h5"}),
+                      plan = ra2d({"plan", test::scene_file("dang2012"), "--set", run[7]});
+    return std::array{nlohmann::json::parse(ran.out)["mesh_tone"]["frequency"].dump(),
+                      line_with(analyzed.out, "mesh tone", "12500 Hz"),
+                      line_with(plan.out, "note", "12500 Hz")};
+  };
+  const auto [of_run, of_analysis, of_plan] = said("linear");
+  EXPECT_DOUBLE_EQ(std::stod(of_run), 12.5e3);
+  EXPECT_NE(of_analysis, "none");
+  EXPECT_NE(of_plan, "none");
+  EXPECT_THAT(said("smooth"), testing::ElementsAre("null", "none", "none"));
 }
 
 // ---- clusters

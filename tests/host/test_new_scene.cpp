@@ -234,14 +234,14 @@ TEST(NewScene, TakesAMeasuredProfile) {
   const Ended ran = run_ra2d(folder.path(), {"run", "sub/case.toml"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   // nodes stand as wide as the profile's shape allows, on its points
-  EXPECT_THAT(text, HasSubstr("spacing  = \"2 um\""));
+  EXPECT_THAT(text, HasSubstr("spacing  = \"4 um\""));
   std::ofstream fine(folder.path() / "fine.csv");
   for (int i = 0; i <= 40000; ++i)
     fine << fmt::format("{:.6f} {:.6f}\n", i * 2e-4, 2 * std::sin(i * 0.005));
   fine.close();
   ASSERT_EQ(
       run_ra2d(folder.path(), {"new", "fine.toml", "--slider-face", "fine.csv, mm, um"}).status, 0);
-  EXPECT_THAT(read_file(folder.path() / "fine.toml"), HasSubstr("spacing  = \"1.6 um\""));
+  EXPECT_THAT(read_file(folder.path() / "fine.toml"), HasSubstr("spacing  = \"4 um\""));
   // a file without units
   EXPECT_THAT(run_ra2d(folder.path(), {"new", "b.toml", "--slider-face", "profile.csv"}).err,
               HasSubstr("FILE, mm, um"));

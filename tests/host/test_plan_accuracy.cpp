@@ -214,13 +214,6 @@ TEST(Ensemble, KeepsToItsTime) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(hurried.answers()[i].v_rms, whole.answers()[i].v_rms);
 }
 
-/// A scene that names its faces.
-Scene saying_linear(Scene s) {
-  s.places = std::make_shared<const std::map<std::string, std::string>>(
-      std::map<std::string, std::string>{{"scene.faces", "s.toml:1"}});
-  return s;
-}
-
 /// The budget holds also where the machine becomes slower than the first measurements promised.
 TEST(Savings, KeepToTheBudgetUnderLoad) {
   SavingsOptions options;
@@ -235,7 +228,7 @@ TEST(Savings, KeepToTheBudgetUnderLoad) {
         while (!over) continue;
       });
   };
-  Scene s = saying_linear(rubbing());
+  Scene s = rubbing();
   s.duration = 0.1;
   s.speed = 0.04;
   const auto begun = std::chrono::steady_clock::now();
@@ -345,7 +338,7 @@ Scene with_words(const Savings& found) {
   return parse_scene(echo(found.written), "s.toml", overrides);
 }
 
-TEST(Savings, CompareFacesWhereTheSceneSaysNothingOfThem) {
+TEST(Savings, CompareLinearFacesWithSmoothOnes) {
   SavingsOptions options;
   options.accuracy = 0.1;
   options.budget = 6;
@@ -371,17 +364,26 @@ TEST(Savings, CompareFacesWhereTheSceneSaysNothingOfThem) {
   EXPECT_EQ(echo(parse_scene(planned_scene(found), "planned.toml")), echo(found.chosen));
 }
 
-TEST(Savings, KeepTheFacesThatTheSceneNames) {
+TEST(Savings, CompareSmoothFacesWithLinearOnes) {
   SavingsOptions options;
-  options.accuracy = 0.2;
-  options.budget = 2;
-  const Savings found = find_savings(saying_linear(rubbing()), options);
+  options.accuracy = 0.1;
+  options.budget = 6;
+  Scene s = rubbing();
+  s.faces = Faces::smooth;
+  s.spacing = 1e-5;  // many cells to a contact: wider ones cost less
+  const Savings found = find_savings(s, options);
   const std::string text = describe(found);
   SCOPED_TRACE(text);
-  EXPECT_EQ(found.reference.faces, Faces::linear);
-  EXPECT_EQ(found.chosen.faces, Faces::linear);
-  EXPECT_THAT(text, AllOf(HasSubstr("without scene.faces others are tried"),
-                          Not(HasSubstr("faces and spacing"))));
+  EXPECT_EQ(found.reference.faces, Faces::smooth);
+  EXPECT_EQ(faces_as_written(found), nullptr);  // they are the reference's
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("reference  the scene as written, adaptive"),
+                    HasSubstr("\nfaces and spacing"), HasSubstr("  smooth, 20 um"),
+                    HasSubstr("           faces: "), Not(HasSubstr("smooth, 10 um, as written "))));
+  const Scene read = with_words(found);
+  EXPECT_EQ(read.faces, found.chosen.faces);
+  EXPECT_EQ(read.spacing, found.chosen.spacing);
+  EXPECT_EQ(echo(parse_scene(planned_scene(found), "planned.toml")), echo(found.chosen));
 }
 
 /// Splines ring on faces with corners: there the scene's own are the reference.
@@ -391,6 +393,8 @@ TEST(Savings, CompareLinearFacesWhereSplinesRing) {
   s.slider.surface = peaks({{.at = 0.002, .height = 1e-5, .half_width = 6e-5}});
   EXPECT_EQ(with_faces_of_reference(s).faces, Faces::linear);
   EXPECT_EQ(with_faces_of_reference(crossing()).faces, Faces::linear);  // flat
+  s.faces = Faces::smooth;
+  EXPECT_EQ(with_faces_of_reference(s).faces, Faces::smooth);
 }
 
 TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {

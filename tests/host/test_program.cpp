@@ -878,6 +878,7 @@ speed    = 0.0
 start    = 0.0
 gap      = 0.0
 spacing  = 1e-4
+faces    = "linear"
 initial  = "rest"
 [resonator]
 support = "pinned"

@@ -149,6 +149,8 @@ void expect_same(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.initial, b.initial);
   expect_same(a.resonator, b.resonator);
   expect_same(a.slider, b.slider);
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.faces, b.faces);
   EXPECT_EQ(a.contact.law, b.contact.law);
   EXPECT_EQ(a.contact.stiffness, b.contact.stiffness);
   EXPECT_EQ(a.contact.is_hertz, b.contact.is_hertz);
@@ -178,6 +180,7 @@ TEST(Scene, MinimalOneReadsWithDefaults) {
   EXPECT_EQ(s.file, "s.toml");
   EXPECT_EQ(s.name, "");
   EXPECT_EQ(s.gap, std::nullopt);
+  EXPECT_EQ(s.faces, Faces::smooth);
   EXPECT_EQ(s.initial, Initial::rest);
   EXPECT_EQ(s.slider.surface.kind, SurfaceKind::flat);
   EXPECT_FALSE(s.slider.load_is_weight);
@@ -1019,6 +1022,7 @@ speed = 0.5
 start = 0.1
 gap = "touching"
 spacing = 0.0001
+faces = "smooth"
 initial = "rest"
 
 [resonator]
@@ -1060,6 +1064,16 @@ probes = []
 slider_probes = []
 from = 0.0
 )");
+}
+
+/// Programs whose faces were linear by default wrote that key for smooth ones alone.
+TEST(SceneEcho, WithoutFacesIsThatOfLinearOnes) {
+  const Scene linear = parse(minimal, {"scene.faces=linear"});
+  const std::string text = echo(linear), key = "faces = \"linear\"\n";
+  ASSERT_THAT(text, HasSubstr(key));
+  EXPECT_EQ(echo(parse_echo(with(text, {key, ""}), "s.toml")), text);
+  for (const Scene& scene : {linear, parse(minimal)})
+    EXPECT_EQ(echo(parse_echo(echo(scene), "s.toml")), echo(scene));
 }
 
 TEST(SceneEcho, ReadsBackAsTheSameScene) {

@@ -317,8 +317,8 @@ Shares use(const Scene& scene, int steps, int every) {
 }
 
 Scene real_scene(const std::string& name) {
-  return read_scene(scene_file(name),
-                    {"time.scheme=\"adaptive\"", "time.tolerance=1e-6", "output.rate=1000"});
+  return read_scene(scene_file(name), {"scene.faces=linear", "time.scheme=\"adaptive\"",
+                                       "time.tolerance=1e-6", "output.rate=1000"});
 }
 
 class BoundsInUse : public testing::TestWithParam<const char*> {};

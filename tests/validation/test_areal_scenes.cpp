@@ -257,7 +257,8 @@ TEST(ArealScenes, EqualRowsGiveThePlaneScene) {
   const std::string kind = "kind = \"areal\"\n";
   plane_text.erase(plane_text.find(kind), kind.size());
   Changes beams = common;
-  beams.insert(beams.end(), {"resonator.surface={kind=\"gaussian\",rq=2e-6,rsm=8e-4,seed=2}",
+  beams.insert(beams.end(), {"scene.faces=linear",
+                             "resonator.surface={kind=\"gaussian\",rq=2e-6,rsm=8e-4,seed=2}",
                              "slider.surface={kind=\"gaussian\",rq=2e-6,rsm=8e-4,seed=1}",
                              "slider.young=210e9", "slider.damping=0", "slider.modes=0"});
   const Recording plane = simulate(parse_scene(plane_text, "plane.toml", beams));

@@ -123,8 +123,7 @@ def motion(panels: Any, result: Result, time: float) -> None:
 # -------------------------------------------------------------------------------------------
 
 def _is_smooth(result: Result) -> bool:
-    faces = result.scene.content()["scene"].get("faces")  # none: linear
-    return bool(faces == "smooth")
+    return bool(result.scene["faces"] == "smooth")
 
 
 def _along(result: Result, face: xr.DataArray, places: Array) -> Array:

@@ -114,10 +114,12 @@ class Result:
                             "program")
         try:
             self._scene = toml.parse(str(self.attrs["scene"]))
+            # as programs wrote it whose faces were linear by default
+            self._scene["scene"].setdefault("faces", "linear")
             self.title = str(self._scene["scene"].get("name", self.path.stem))  # the scene's name
             # False: cut short; attrs["ended"] says why
             self.complete = bool(self.attrs["complete"])
-        except (KeyError, TypeError, RequestError) as fault:
+        except (AttributeError, KeyError, TypeError, RequestError) as fault:
             raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
         self._hears: tuple[str, ...] = ()  # options of with_microphones()

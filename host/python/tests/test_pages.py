@@ -115,7 +115,7 @@ def test_what_was_asked_has_the_units_of_its_keys():
         "pinned beam, 300 mm long, 2 mm thick, 200 mm wide; 210 GPa, 7800 kg/m³, damping ratio 0; "
                      "modes up to 20 kHz",
         "its face": "flat", "slider": "rigid beam, 20 mm long, 20 mm wide",
-        "contact": "penalty, 1\u00a0×\u00a010<sup>15</sup> Pa/m", "spacing": "1 mm",
+        "contact": "penalty, 1\u00a0×\u00a010<sup>15</sup> Pa/m", "spacing": "500 µm",
         "samples": "100 kHz; counted from 0 s on", "moving force": "10 N at 20 m/s"}
 
 
