@@ -122,7 +122,7 @@ def scheme_of(options, faces):
 def spacings_of(options, faces):
     return [s * 1e-6
             for s in (options.spacings
-                      or ([32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
+                      or ([64, 32, 16, 8, 4] if faces == "smooth" else [32, 16, 8, 4, 2, 1]))]
 
 
 def convergence(options):

@@ -32,7 +32,7 @@ constexpr double smooth_level = 0.25, smooth_shocks = 1;
 constexpr int most_finer = 3, most_wider = 4;
 constexpr double most_nodes_looked_at = 4e6;
 /// Costs that differ by less are alike.
-constexpr double alike = 1.1;
+constexpr double alike = 1.05;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
