@@ -138,16 +138,18 @@ class CollocationSweeps {
   /// Accelerations from displacements and velocities, with contact in the listed cells. `again`: it
   /// is not the first sweep.
   RA2D_FUNCTION Change accelerate(const int* cells, int count, bool again) {
-    Real by(0.0), size(0.0);
     for (int g = 0; g < groups; ++g) {
       work_[g] = square_[g] = Real(0.0);
       contact_acts_[g] = false;
-      springs_ = 0;
-      for (int e = 0; e < count; ++springs_) {
-        const Neighbours group = neighbours(cells, e, count);
-        add_contact(cells, group, g, again);
-        e = group.end;
-      }
+    }
+    springs_ = 0;
+    for (int e = 0; e < count; ++springs_) {
+      const Neighbours group = neighbours(cells, e, count);
+      add_contact(cells, group, again);
+      e = group.end;
+    }
+    Real by(0.0), size(0.0);
+    for (int g = 0; g < groups; ++g)
       for (int m = 0, modes = modes_.count; m < modes; ++m) {
         const Real force = load(contact_acts_[g] ? buffers_.contact_at : buffers_.force_at, m, g);
         const Real a = acceleration(m, g, force), change = a - load(buffers_.a_at, m, g);
@@ -155,7 +157,6 @@ class CollocationSweeps {
         size = multiply_add(modes_.mass[m], a * a, size);
         store(buffers_.a_at, m, g, a);
       }
-    }
     lanes_.sync();
     const double square = time_ * time_;
     return {square * lanes_.max(by), square * lanes_.max(size)};
@@ -232,10 +233,13 @@ class CollocationSweeps {
   RA2D_FUNCTION PointRange points_near(int cell, double second, double level) const {
     const CellFaces faces = cells_.faces(cell);
     PointRange near{1 + last_point, 0};
+    Cubic passing[groups], own[groups];
+    displacements(cell, passing, own);
     for (int g = 0; g < groups; ++g) {
       Real most(-1e300);
-      Real passing[4], moving[4];
-      move_cell(cell, faces, g, passing, moving);
+      Real moving[4];
+      for (int j = 0; j < 4; ++j)
+        moving[j] = (Real(faces.own.c[j]) + passing[g].c[j]) + own[g].c[j];
       const Real knot = Real(0.5) - theta_[g];
       for (int side = 0; side < 2; ++side) {
         Real piece[4], o[4];
@@ -422,41 +426,48 @@ class CollocationSweeps {
             c1 + row,
             c1 + 2 * row};
   }
-  /// The displacement of a body, in its modes' own terms.
-  KOKKOS_FORCEINLINE_FUNCTION void sum_modes(Body body, const double* rows, Real* sum,
-                                             int g) const {
+  struct Cubic {
+    Real c[4];
+  };
+  /// The displacement of a body, in its modes' own terms, at the points of each group.
+  KOKKOS_FORCEINLINE_FUNCTION void sum_modes(Body body, const double* rows, Cubic* sum) const {
     const Shapes phi = shapes(body, rows);
-    for (int j = 0; j < 4; ++j) sum[j] = Real(0.0);
+    for (int g = 0; g < groups; ++g)
+      for (int j = 0; j < 4; ++j) sum[g].c[j] = Real(0.0);
     for (int m = phi.first; m < phi.end; ++m) {
-      const Real u = load(buffers_.u_at, m, g);
-      sum[0] = multiply_add(Real(phi.c0[m]), u, sum[0]);
-      sum[1] = multiply_add(Real(phi.c1[m]), u, sum[1]);
-      sum[2] = multiply_add(Real(phi.c2[m]), u, sum[2]);
-      sum[3] = multiply_add(Real(phi.c3[m]), u, sum[3]);
+      const Real c0(phi.c0[m]), c1(phi.c1[m]), c2(phi.c2[m]), c3(phi.c3[m]);
+      for (int g = 0; g < groups; ++g) {
+        const Real u = load(buffers_.u_at, m, g);
+        sum[g].c[0] = multiply_add(c0, u, sum[g].c[0]);
+        sum[g].c[1] = multiply_add(c1, u, sum[g].c[1]);
+        sum[g].c[2] = multiply_add(c2, u, sum[g].c[2]);
+        sum[g].c[3] = multiply_add(c3, u, sum[g].c[3]);
+      }
     }
   }
   /// Adds the modal forces of contact whose moments are f.
-  KOKKOS_FORCEINLINE_FUNCTION void add_modal_forces(Body body, const double* rows, const Real* f,
-                                                    int g) const {
+  KOKKOS_FORCEINLINE_FUNCTION void add_modal_forces(Body body, const double* rows,
+                                                    const Cubic* f) const {
     const Shapes phi = shapes(body, rows);
-    const double* const others = contact_acts_[g] ? buffers_.contact_at : buffers_.force_at;
     for (int m = phi.first; m < phi.end; ++m) {
-      const Real low = multiply_add(Real(phi.c0[m]), f[0], Real(phi.c1[m]) * f[1]),
-                 high = multiply_add(Real(phi.c2[m]), f[2], Real(phi.c3[m]) * f[3]);
-      store(buffers_.contact_at, m, g, load(others, m, g) - (low + high));
+      const Real c0(phi.c0[m]), c1(phi.c1[m]), c2(phi.c2[m]), c3(phi.c3[m]);
+      for (int g = 0; g < groups; ++g) {
+        const Real low = multiply_add(c0, f[g].c[0], c1 * f[g].c[1]),
+                   high = multiply_add(c2, f[g].c[2], c3 * f[g].c[3]);
+        const double* const others = contact_acts_[g] ? buffers_.contact_at : buffers_.force_at;
+        store(buffers_.contact_at, m, g, load(others, m, g) - (low + high));
+      }
     }
   }
 
-  /// Of a cell, the resonator's displacement, and all of the overlap but the resonator's face.
-  KOKKOS_FORCEINLINE_FUNCTION void move_cell(int cell, const CellFaces& faces, int g, Real* passing,
-                                             Real* moving) const {
+  /// Displacements in an expanded cell at the points of each group: of the resonator, along its
+  /// path, and of the slider.
+  KOKKOS_FORCEINLINE_FUNCTION void displacements(int cell, Cubic* passing, Cubic* own) const {
     const double* const c = cells_.shapes_of(cell);
-    // displacements in the shapes' own terms: along the path, and along the slider
-    Real d[4], own[4];
-    sum_modes(Body::resonator, c, d, g);
-    sum_modes(Body::slider, c, own, g);
-    shift_cubic(d, offset_[g], passing);
-    for (int j = 0; j < 4; ++j) moving[j] = (Real(faces.own.c[j]) + passing[j]) + own[j];
+    Cubic along[groups];
+    sum_modes(Body::resonator, c, along);
+    sum_modes(Body::slider, c, own);
+    for (int g = 0; g < groups; ++g) shift_cubic(along[g].c, offset_[g], passing[g].c);
   }
 
   /// Moments of f, of eta^j, as those of (x + eta)^j.
@@ -482,13 +493,27 @@ class CollocationSweeps {
   }
 
   /// Contact in these cells: adds its modal forces and its work, and keeps its spring.
-  RA2D_FUNCTION void add_contact(const int* cells, const Neighbours& group, int g, bool again) {
+  RA2D_FUNCTION void add_contact(const int* cells, const Neighbours& group, bool again) {
     const double* const c = cells_.shapes_of(group.cell);
-    const Real spring(contact_.node_stiffness);  // of a whole cell
     // displacements in the shapes' own terms: along the path, and along the slider
-    Real d[4], own[4], on_path[4], on_slider[4], length(0.0);
-    sum_modes(Body::resonator, c, d, g);
-    sum_modes(Body::slider, c, own, g);
+    Cubic d[groups], own[groups], on_path[groups], on_slider[groups];
+    sum_modes(Body::resonator, c, d);
+    sum_modes(Body::slider, c, own);
+    bool any = false;
+    for (int g = 0; g < groups; ++g)
+      any |= add_contact(cells, group, g, again, d[g].c, own[g].c, on_path[g].c, on_slider[g].c);
+    if (!any) return;
+    add_modal_forces(Body::resonator, c, on_path);
+    add_modal_forces(Body::slider, c, on_slider);
+    for (int g = 0; g < groups; ++g) contact_acts_[g] = true;
+  }
+  /// At the points of a group, given the displacements in the cell whose shapes hold: its moments
+  /// along the path and along the slider. Whether any force acts.
+  KOKKOS_FORCEINLINE_FUNCTION bool add_contact(const int* cells, const Neighbours& group, int g,
+                                               bool again, const Real* d, const Real* own,
+                                               Real* on_path, Real* on_slider) {
+    const Real spring(contact_.node_stiffness);  // of a whole cell
+    Real length(0.0);
     for (int j = 0; j < 4; ++j) on_path[j] = on_slider[j] = Real(0.0);
     bool any = false;
     for (int e = group.first; e < group.end; ++e) {
@@ -525,10 +550,7 @@ class CollocationSweeps {
       for (int j = 0; j < 4; ++j) on_slider[j] = on_slider[j] + moments[j];
     }
     keep_spring(group.cell, spring * length, d[0] + own[0], g);
-    if (!any) return;
-    add_modal_forces(Body::resonator, c, on_path, g);
-    add_modal_forces(Body::slider, c, on_slider, g);
-    contact_acts_[g] = true;
+    return any;
   }
 
   /// Keeps a spring of contact: its stiffness [N/m] and the displacement in the middle of its cell.
