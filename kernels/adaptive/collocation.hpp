@@ -70,27 +70,37 @@ class CollocationSweeps {
                            const Beginning& now, const Earlier& earlier) {
     table_ = table;
     time_ = ticks * motion_.time_step;
+    Real time[groups], velocity[groups], displacement[groups];
     for (int g = 0; g < groups; ++g) {
-      const Real share = at_points(point_shares, g), time = time_ * share;
+      const Real share = at_points(point_shares, g);
       const Real travelled = motion_.advance * ticks * share;
       theta_[g] = Real(start.theta) + travelled;
       offset_[g] = Real(start.offset) + travelled;
-      const Real velocity = time_ * at_points(velocity_columns, g),
-                 displacement = time_ * time_ * at_points(displacement_columns, g);
-      for (int m = 0; m < modes_.count; ++m) {
-        const Real u(now.u[m]), v(now.v[m]), a(now.a[m]);
-        store(buffers_.u_before, m, g, multiply_add(a, displacement, multiply_add(v, time, u)));
-        store(buffers_.v_before, m, g, multiply_add(a, velocity, v));
-        store(buffers_.force_at, m, g, Real(modes_.load[m]));
-        if (earlier.table == nullptr) {
-          const Real second(0.5 * now.jerk[row + m]), third(1.0 / 6.0 * now.jerk[2 * row + m]);
-          const Real rate =
-              multiply_add(multiply_add(third, time, second), time, Real(now.jerk[m]));
-          store(buffers_.a_at, m, g, multiply_add(rate, time, a));
-        }
+      time[g] = time_ * share;
+      velocity[g] = time_ * at_points(velocity_columns, g);
+      displacement[g] = time_ * time_ * at_points(displacement_columns, g);
+    }
+    const int modes = modes_.count;
+    for (int m = 0; m < modes; ++m) {
+      const Real u(now.u[m]), v(now.v[m]), a(now.a[m]), load(modes_.load[m]);
+      for (int g = 0; g < groups; ++g) {
+        store(buffers_.u_before, m, g,
+              multiply_add(a, displacement[g], multiply_add(v, time[g], u)));
+        store(buffers_.v_before, m, g, multiply_add(a, velocity[g], v));
+        store(buffers_.force_at, m, g, load);
       }
     }
-    if (earlier.table != nullptr) interpolate(earlier, now.a);
+    if (earlier.table != nullptr)
+      interpolate(earlier, now.a);
+    else
+      for (int m = 0; m < modes; ++m) {
+        const Real a(now.a[m]), first(now.jerk[m]), second(0.5 * now.jerk[row + m]),
+            third(1.0 / 6.0 * now.jerk[2 * row + m]);
+        for (int g = 0; g < groups; ++g) {
+          const Real rate = multiply_add(multiply_add(third, time[g], second), time[g], first);
+          store(buffers_.a_at, m, g, multiply_add(rate, time[g], a));
+        }
+      }
     lanes_.sync();
   }
   /// Adds the moving forces: series of the modes, (power, lane), up to `order`, in units of `scale`
@@ -138,20 +148,19 @@ class CollocationSweeps {
   /// Accelerations from displacements and velocities, with contact in the listed cells. `again`: it
   /// is not the first sweep.
   RA2D_FUNCTION Change accelerate(const int* cells, int count, bool again) {
-    for (int g = 0; g < groups; ++g) {
-      work_[g] = square_[g] = Real(0.0);
-      contact_acts_[g] = false;
-    }
+    for (int g = 0; g < groups; ++g) work_[g] = square_[g] = Real(0.0);
+    contact_acts_ = false;
     springs_ = 0;
     for (int e = 0; e < count; ++springs_) {
       const Neighbours group = neighbours(cells, e, count);
       add_contact(cells, group, again);
       e = group.end;
     }
+    const double* const forces = contact_acts_ ? buffers_.contact_at : buffers_.force_at;
     Real by(0.0), size(0.0);
     for (int g = 0; g < groups; ++g)
       for (int m = 0, modes = modes_.count; m < modes; ++m) {
-        const Real force = load(contact_acts_[g] ? buffers_.contact_at : buffers_.force_at, m, g);
+        const Real force = load(forces, m, g);
         const Real a = acceleration(m, g, force), change = a - load(buffers_.a_at, m, g);
         by = multiply_add(modes_.mass[m], change * change, by);
         size = multiply_add(modes_.mass[m], a * a, size);
@@ -166,28 +175,26 @@ class CollocationSweeps {
   /// proportion to the length of its contact and to the change of the displacement since then. That
   /// takes a quarter of the time, and comes nearly as far.
   RA2D_FUNCTION void accelerate_on_springs() {
-    for (int g = 0; g < groups; ++g) {
-      const double* forces = buffers_.force_at;
-      Spring last{nullptr, Real(0.0)};
-      if (contact_acts_[g]) {
-        forces = buffers_.contact_at;
-        for (int i = 0; i < springs_; ++i) {
-          const Spring spring = compressed(i, g);
-          if (spring.shape == nullptr) continue;
-          if (last.shape != nullptr) add_spring(last, g);
-          last = spring;
-        }
-      }
-      const int modes = modes_.count;
-      if (last.shape == nullptr)
-        for (int m = 0; m < modes; ++m)
-          store(buffers_.a_at, m, g, acceleration(m, g, load(forces, m, g)));
-      else
-        for (int m = 0; m < modes; ++m) {
-          const Real force = multiply_add(Real(-last.shape[m]), last.force, load(forces, m, g));
-          store(buffers_.a_at, m, g, acceleration(m, g, force));
-        }
+    const double* const forces = contact_acts_ ? buffers_.contact_at : buffers_.force_at;
+    Spring last;
+    for (int i = 0; contact_acts_ && i < springs_; ++i) {
+      const Spring spring = compressed(i);
+      if (spring.shape == nullptr) continue;
+      if (last.shape != nullptr) add_spring(last);
+      last = spring;
     }
+    const int modes = modes_.count;
+    if (last.shape == nullptr)
+      for (int m = 0; m < modes; ++m)
+        for (int g = 0; g < groups; ++g)
+          store(buffers_.a_at, m, g, acceleration(m, g, load(forces, m, g)));
+    else
+      for (int m = 0; m < modes; ++m) {
+        const Real shape(-last.shape[m]);
+        for (int g = 0; g < groups; ++g)
+          store(buffers_.a_at, m, g,
+                acceleration(m, g, multiply_add(shape, last.force[g], load(forces, m, g))));
+      }
     lanes_.sync();
   }
 
@@ -306,7 +313,7 @@ class CollocationSweeps {
   Real theta_[groups], offset_[groups];
   Real work_[groups];    // J/chi, of the imposed motion over a spacing of the slider's path
   Real square_[groups];  // m^2, of the overlaps
-  bool contact_acts_[groups];
+  bool contact_acts_ = false;
   int springs_ = 0;
 
   KOKKOS_FORCEINLINE_FUNCTION Real at_points(int numbers, int g) const {
@@ -449,12 +456,12 @@ class CollocationSweeps {
   KOKKOS_FORCEINLINE_FUNCTION void add_modal_forces(Body body, const double* rows,
                                                     const Cubic* f) const {
     const Shapes phi = shapes(body, rows);
+    const double* const others = contact_acts_ ? buffers_.contact_at : buffers_.force_at;
     for (int m = phi.first; m < phi.end; ++m) {
       const Real c0(phi.c0[m]), c1(phi.c1[m]), c2(phi.c2[m]), c3(phi.c3[m]);
       for (int g = 0; g < groups; ++g) {
         const Real low = multiply_add(c0, f[g].c[0], c1 * f[g].c[1]),
                    high = multiply_add(c2, f[g].c[2], c3 * f[g].c[3]);
-        const double* const others = contact_acts_[g] ? buffers_.contact_at : buffers_.force_at;
         store(buffers_.contact_at, m, g, load(others, m, g) - (low + high));
       }
     }
@@ -505,7 +512,7 @@ class CollocationSweeps {
     if (!any) return;
     add_modal_forces(Body::resonator, c, on_path);
     add_modal_forces(Body::slider, c, on_slider);
-    for (int g = 0; g < groups; ++g) contact_acts_[g] = true;
+    contact_acts_ = true;
   }
   /// At the points of a group, given the displacements in the cell whose shapes hold: its moments
   /// along the path and along the slider. Whether any force acts.
@@ -563,27 +570,42 @@ class CollocationSweeps {
   }
   /// The change of a spring's force, and the modes' shapes where it stands; null: it carries none.
   struct Spring {
-    const double* shape;
-    Real force;
+    const double* shape = nullptr;
+    Real force[groups];
   };
-  KOKKOS_FORCEINLINE_FUNCTION Spring compressed(int i, int g) const {
-    const double* const spring = buffers_.springs + i * (2 * pitch) + g * width;
-    const Real stiffness = lanes_.load(spring);
-    if (lanes_.at_least(stiffness, 1e-300) == 0) return {nullptr, stiffness};
+  KOKKOS_FORCEINLINE_FUNCTION Spring compressed(int i) const {
+    const double* const spring = buffers_.springs + i * (2 * pitch);
     const double* const phi = cells_.shapes_of(buffers_.spring_cells[i]);
-    Real even(0.0), odd(0.0);
+    Spring found;
+    for (int g = 0; g < groups; ++g)
+      if (lanes_.at_least(lanes_.load(spring + g * width), 1e-300) != 0) found.shape = phi;
+    if (found.shape == nullptr) return found;
+    Real even[groups], odd[groups];
+    for (int g = 0; g < groups; ++g) even[g] = odd[g] = Real(0.0);
     int m = 0;
     for (const int modes = modes_.count - 1; m < modes; m += 2) {
-      even = multiply_add(Real(phi[m]), load(buffers_.u_at, m, g), even);
-      odd = multiply_add(Real(phi[m + 1]), load(buffers_.u_at, m + 1, g), odd);
+      const Real here(phi[m]), next(phi[m + 1]);
+      for (int g = 0; g < groups; ++g) {
+        even[g] = multiply_add(here, load(buffers_.u_at, m, g), even[g]);
+        odd[g] = multiply_add(next, load(buffers_.u_at, m + 1, g), odd[g]);
+      }
     }
-    if (m < modes_.count) even = multiply_add(Real(phi[m]), load(buffers_.u_at, m, g), even);
-    return {phi, stiffness * ((even + odd) - lanes_.load(spring + pitch))};
+    for (int g = 0; g < groups; ++g) {
+      if (m < modes_.count)
+        even[g] = multiply_add(Real(phi[m]), load(buffers_.u_at, m, g), even[g]);
+      const Real stiffness = lanes_.load(spring + g * width),
+                 displacement = lanes_.load(spring + pitch + g * width);
+      found.force[g] = stiffness * ((even[g] + odd[g]) - displacement);
+    }
+    return found;
   }
-  KOKKOS_FORCEINLINE_FUNCTION void add_spring(const Spring& spring, int g) const {
-    for (int m = 0, modes = modes_.count; m < modes; ++m)
-      store(buffers_.contact_at, m, g,
-            multiply_add(Real(-spring.shape[m]), spring.force, load(buffers_.contact_at, m, g)));
+  KOKKOS_FORCEINLINE_FUNCTION void add_spring(const Spring& spring) const {
+    for (int m = 0, modes = modes_.count; m < modes; ++m) {
+      const Real shape(-spring.shape[m]);
+      for (int g = 0; g < groups; ++g)
+        store(buffers_.contact_at, m, g,
+              multiply_add(shape, spring.force[g], load(buffers_.contact_at, m, g)));
+    }
   }
 };
 
