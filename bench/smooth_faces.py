@@ -374,16 +374,19 @@ def draw_convergence(rows, file):
                 cost = statistics.mean(float(r["seconds"]) / float(r["duration"])
                                        for r in found.values())
                 points.append((cost, off, half, 1e6 * spacing))
-            for cost, off, half, spacing in points:
-                low = max(off - half, FLOOR)
-                ax.plot([cost, cost], [low, max(off + half, FLOOR)], color=colour,
-                        alpha=0.5, lw=1.5)
-                below = off < FLOOR
-                ax.plot(cost, max(off, FLOOR), marker="v" if below else marker,
-                        color=colour, ls="none",
-                        label=f"{faces} faces" if spacing == points[-1][3] else None)
-                ax.annotate(f"{spacing:g}", (cost, max(off, FLOOR)), xytext=(5, 4),
-                            textcoords="offset points", fontsize=8)
+            ax.plot([], [], marker=marker, color=colour, ls="none", label=f"{faces} faces")
+            for i, (cost, off, half, spacing) in enumerate(sorted(points)):
+                low, high = max(off - half, FLOOR), max(off + half, FLOOR)
+                ax.plot([cost, cost], [low, high], color=colour, alpha=0.5, lw=1.5)
+                ax.plot(cost, max(off, FLOOR), marker="v" if off < FLOOR else marker,
+                        color=colour, ls="none")
+                if faces == "linear":
+                    ax.annotate(f"{spacing:g}", (cost, max(off, FLOOR)), xytext=(5, 4),
+                                textcoords="offset points", fontsize=8)
+                else:  # they stand close together: one number above the other
+                    top = max(off + half for _, off, half, _ in points)
+                    ax.annotate(f"{spacing:g}", (cost, top), xytext=(0, 3 + 9 * (i % 3)),
+                                textcoords="offset points", fontsize=8, ha="center")
         ax.axhline(2, color="0.6", lw=0.8, ls="--")
         ax.set(xscale="log", yscale="log", title=f"{stiffness:.0e} Pa/m".replace("e+", "e"),
                xlabel="processor time of a simulated second (s)")
