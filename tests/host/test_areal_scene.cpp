@@ -879,6 +879,22 @@ TEST(ArealScene, AnotherSpacingKeepsTheRatioOfBoth) {
   EXPECT_FALSE(plane.spacing_y);
 }
 
+/// Flat faces of 320 x 321 nodes fall on one another.
+TEST_F(ArealProgram, ARunEndsWhereMoreNodesTouchThanCanBeFollowed) {
+  std::vector<std::string> words{"run", "s.toml", "-o", "crowded.h5"};
+  for (const char* change : {"scene.spacing=1e-5", "scene.spacing_y=1e-5", "slider.length=3.19e-3",
+                             "slider.width=3.21e-3", "time.nodes=candidates", "resonator.modes=3",
+                             "scene.gap=1e-6", "scene.speed=0"})
+    words.insert(words.end(), {"--set", change});
+  const test::Ended ended = run(words);
+  EXPECT_EQ(ended.status, 3);
+  EXPECT_THAT(ended.err,
+              AllOf(HasSubstr("more nodes touch at once"), HasSubstr("or than the 65536"),
+                    HasSubstr("Coarser nodes (scene.spacing)"),
+                    HasSubstr("What was computed until then is in crowded.h5")));
+  EXPECT_THAT(run({"check", "crowded.h5"}).out, HasSubstr("cut short"));
+}
+
 TEST_F(ArealProgram, ChartsOfStabilityMeetTheTheory) {
   const test::Ended chart = run(rough({"chart", "stability", "s.toml", "--no-plot", "-o", "c"}));
   ASSERT_EQ(chart.status, 0) << chart.err;
