@@ -34,8 +34,8 @@ struct FaceChoices {
 inline constexpr double face_accuracy = 0.02;
 
 /// Linear faces of the scene's spacing and finer ones, smooth faces of its spacing and wider ones,
-/// as far as they may hold. Of choices whose costs differ by less than a twentieth the most accurate
-/// one is best.
+/// as far as they may hold. Of choices whose costs differ by less than a twentieth the most
+/// accurate one is best.
 FaceChoices choose_faces(const Model& model, const Asperities& asperities);
 
 /// Linear faces of nodes so far apart, where a contact is `width` [m] wide (0: under multipliers)
