@@ -176,8 +176,8 @@ std::string rate_interval_text(const IntervalsOfRun& intervals) {
 
 std::string mesh_tone_text(const MeshTone& mesh) {
   return fmt::format(
-      "{:.6g} Hz (speed/spacing), {:.1f} dB above its surroundings: it belongs to the spacing, not "
-      "to the surface",
+      "{:.6g} Hz (speed/spacing), {:.1f} dB above its surroundings: linear faces make it, "
+      "scene.faces = \"smooth\" does not",
       mesh.frequency, mesh.rise);
 }
 

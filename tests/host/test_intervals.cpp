@@ -305,7 +305,7 @@ TEST(ErrorBars, OfOneRunAreTheSameWhereverTheyStand) {
   EXPECT_THAT(level, HasSubstr(" dB, with these surfaces"));
   EXPECT_NE(rate, "none");
   const std::string tone = line_with(whole.out, "mesh tone", "12500 Hz");
-  EXPECT_THAT(tone, HasSubstr("belongs to the spacing"));
+  EXPECT_THAT(tone, HasSubstr("linear faces make it"));
   for (const std::string& text : {cut.out, said.out}) {
     EXPECT_EQ(line_with(text, "level Lv", "; 95 %"), level);
     EXPECT_EQ(line_with(text, "shocks", "; 95 %"), rate);

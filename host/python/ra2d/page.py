@@ -157,8 +157,8 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     if tone["stands_out"]:
         doubts.append(f"The mesh's own tone at {quantity(tone['frequency'], 'Hz')} (speed/spacing) "
                       "stands "
-                      f"{tone['rise']:.0f} dB above its surroundings: it belongs to the spacing, "
-                      "not to the surface.")
+                      f"{tone['rise']:.0f} dB above its surroundings: linear faces make it, smooth "
+                      "ones do not.")
     return doubts
 
 
