@@ -23,6 +23,15 @@ Eigen::VectorXcd eigenvalues(const MatrixXd& a) {
   return Eigen::EigenSolver<MatrixXd>(a, false).eigenvalues();
 }
 
+struct SymmetricSolver::Decomposed {
+  Eigen::LDLT<MatrixXd> ldlt;
+};
+
+SymmetricSolver::SymmetricSolver(const MatrixXd& a)
+    : decomposed_{std::make_unique<Decomposed>(Decomposed{a.ldlt()})} {}
+SymmetricSolver::~SymmetricSolver() = default;
+VectorXd SymmetricSolver::solve(const VectorXd& b) const { return decomposed_->ldlt.solve(b); }
+
 VectorXd solve_symmetric(const MatrixXd& a, const VectorXd& b) { return a.ldlt().solve(b); }
 MatrixXd solve_symmetric(const MatrixXd& a, const MatrixXd& b) { return a.ldlt().solve(b); }
 

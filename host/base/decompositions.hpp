@@ -20,7 +20,17 @@ Eigen::MatrixXd inverse_square_root(const Eigen::MatrixXd& a);
 /// Of any real square matrix, in no order.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a);
 
-/// x of a x = b for a symmetric matrix that is positive or negative semidefinite, by LDL^T.
+/// a x = b for a symmetric matrix that is positive or negative semidefinite, by LDL^T.
+class SymmetricSolver {
+ public:
+  explicit SymmetricSolver(const Eigen::MatrixXd& a);
+  ~SymmetricSolver();
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+
+ private:
+  struct Decomposed;
+  std::unique_ptr<const Decomposed> decomposed_;
+};
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 Eigen::MatrixXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 

@@ -186,33 +186,34 @@ class Potential {
     return sum;
   }
 
-  /// Negative gradient, the Hessian's lower triangle and the size of the terms that the gradient is
-  /// made of, where the nodes overlap by `over`.
-  void expand(const Eigen::VectorXd& u, const Eigen::VectorXd& over, double spring,
-              Eigen::VectorXd& force, Eigen::MatrixXd& hessian, double& scale) const {
+  /// Negative gradient and the size of the terms that it is made of, where the nodes `touching`
+  /// overlap, as all do by `over`.
+  void expand(const Eigen::VectorXd& u, const Eigen::VectorXd& over,
+              const std::vector<int>& touching, double spring, Eigen::VectorXd& force,
+              double& scale) const {
     force.resize(modes());
-    hessian = Eigen::MatrixXd::Zero(modes(), modes());
     scale = 0;
     for (int k = 0; k < modes(); ++k) {
       force[k] = load_[k] - stiffness_[k] * u[k];
-      hessian(k, k) = stiffness_[k];
       scale += std::abs(load_[k]) + std::abs(stiffness_[k] * u[k]);
     }
-    // By packs of modes; entries above the diagonal in its own pack are computed in vain. Each sum
-    // adds one node after the other, a block of nodes between two accesses to memory.
+    for (const int n : touching) {
+      force -= spring * over[n] * nodes_->rows.col(n).head(modes());
+      scale += spring * over[n] * nodes_->sizes[n];
+    }
+  }
+
+  /// The Hessian's lower triangle where these nodes overlap. By packs of modes; entries above the
+  /// diagonal in its own pack are computed in vain. Each sum adds one node after the other, a block
+  /// of nodes between two accesses to memory.
+  Eigen::MatrixXd hessian(const std::vector<int>& touching, double spring) const {
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(padded_modes(), modes());
-    sum.topRows(modes()) = hessian;
+    for (int k = 0; k < modes(); ++k) sum(k, k) = stiffness_[k];
     Eigen::Matrix<double, Eigen::Dynamic, block> weighted(padded_modes(), int{block});
-    std::array<int, block> nodes;
-    int count = 0;
-    for (int n = 0; n < over.size(); ++n) {
-      if (over[n] > 0) {
-        weighted.col(count) = spring * nodes_->rows.col(n);
-        force -= spring * over[n] * nodes_->rows.col(n).head(modes());
-        scale += spring * over[n] * nodes_->sizes[n];
-        nodes[count++] = n;
-      }
-      if (count < block && n + 1 < over.size()) continue;
+    for (std::size_t first = 0; first < touching.size(); first += block) {
+      const int* const nodes = touching.data() + first;
+      const int count = static_cast<int>(std::min<std::size_t>(block, touching.size() - first));
+      for (int e = 0; e < count; ++e) weighted.col(e) = spring * nodes_->rows.col(nodes[e]);
       for (int k = 0; k < modes(); ++k)
         for (int i = k / pack * pack; i < padded_modes(); i += pack) {
           Eigen::Matrix<double, pack, 1> part = sum.col(k).segment<pack>(i);
@@ -220,9 +221,22 @@ class Potential {
             part += nodes_->rows(k, nodes[e]) * weighted.col(e).segment<pack>(i);
           sum.col(k).segment<pack>(i) = part;
         }
-      count = 0;
     }
-    hessian = sum.topRows(modes());
+    return sum.topRows(modes());
+  }
+
+  /// That matrix, kept regular. The shift keeps directions finite that nothing holds: a slider on
+  /// one asperity may tilt. A mode that nothing holds yet takes a share of the springs of all
+  /// nodes.
+  Eigen::MatrixXd regular_hessian(const std::vector<int>& touching, double spring,
+                                  Shift shift) const {
+    Eigen::MatrixXd sum = hessian(touching, spring);
+    const double most = sum.diagonal().maxCoeff();
+    for (int k = 0; k < modes(); ++k) {
+      const double own = sum(k, k) > 0 ? sum(k, k) : spring * nodes_->shapes.col(k).squaredNorm();
+      sum(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
+    }
+    return sum;
   }
 
   /// The length along `step` at which the potential is least, from the sign of its slope: the
@@ -254,18 +268,22 @@ class Potential {
   /// Minimises from `u`; false when it does not settle.
   bool minimise(Eigen::VectorXd& u, double spring, Shift shift) const {
     Eigen::VectorXd force, best_u = u;
-    Eigen::MatrixXd hessian;
     double best =
         std::numeric_limits<double>::infinity();  // residual over the forces it is made of
     int stalled = 0;
     std::vector<Eigen::VectorXd> seen;
+    std::vector<int> touching, held;
+    std::optional<SymmetricSolver> newton;  // with the springs of the nodes `held`
     for (int round = 0; round < 1000 && stalled < 30; ++round) {
       // a round depends on u alone: from here on they would repeat
       if (std::find(seen.begin(), seen.end(), u) != seen.end()) break;
       seen.push_back(u);
       double scale = 0;
       const Eigen::VectorXd over = overlap(u);
-      expand(u, over, spring, force, hessian, scale);
+      touching.clear();
+      for (int n = 0; n < over.size(); ++n)
+        if (over[n] > 0) touching.push_back(n);
+      expand(u, over, touching, spring, force, scale);
       const double residual = scale > 0 ? force.lpNorm<Eigen::Infinity>() / scale : 0.0;
       ++stalled;
       if (residual < best) {
@@ -274,15 +292,11 @@ class Potential {
         best_u = u;
       }
       if (best <= 1e-16) break;
-      // The shift keeps directions finite that nothing holds: a slider on one asperity may tilt. A
-      // mode that nothing holds yet takes a share of the springs of all nodes.
-      const double most = hessian.diagonal().maxCoeff();
-      for (int k = 0; k < modes(); ++k) {
-        const double own =
-            hessian(k, k) > 0 ? hessian(k, k) : spring * nodes_->shapes.col(k).squaredNorm();
-        hessian(k, k) += 1e-14 * (shift == Shift::common && most > 0 ? most : own) + 1e-300;
+      if (!newton || touching != held) {
+        newton.emplace(regular_hessian(touching, spring, shift));
+        held = touching;
       }
-      const Eigen::VectorXd step = solve_symmetric(hessian, force);
+      const Eigen::VectorXd step = newton->solve(force);
       u += best_length(u, over, step, spring) * step;
     }
     u = best_u;
