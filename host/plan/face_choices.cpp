@@ -70,8 +70,8 @@ class Chooser {
     if (!first) return;
     if (*first)
       for (int k = 1; k <= most_wider && add(faces, own * std::exp2(k)).value_or(false);) ++k;
-    else if (faces == Faces::smooth ||
-             contact_.width > 0)  // under multipliers finer ones do not help
+    // under multipliers finer linear ones do not help
+    else if (faces == Faces::smooth || contact_.width > 0)
       for (int k = 1; k <= most_finer && !add(faces, own * std::exp2(-k)).value_or(true);) ++k;
   }
 
