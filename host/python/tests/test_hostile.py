@@ -3,6 +3,7 @@
 cure."""
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -141,6 +142,7 @@ def test_wrong_variations(base, vary, words):
     lambda file: file.attrs.__delitem__("format"), lambda file: file.attrs.__delitem__("scene"),
     lambda file: file.attrs.__delitem__("complete"),
     lambda file: file.attrs.__setitem__("scene", "[x"),
+    lambda file: file.attrs.__setitem__("scene", "scene = 5"),
     lambda file: file.attrs.__setitem__("scene", "")])
 def test_damaged_headers(damaged, damage):
     with pytest.raises(ra2d.FileError, match="is damaged|has format None"):
@@ -161,6 +163,12 @@ def short_probes(file):
 def test_damaged_groups(damaged, damage):
     with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
         damaged(damage).probes
+
+
+def test_results_of_programs_whose_faces_were_linear_by_default(damaged):
+    def forget(file):
+        file.attrs["scene"] = re.sub('faces = "[a-z]+"\n', "", str(file.attrs["scene"]))
+    assert damaged(forget).scene["faces"] == "linear"
 
 
 def test_flipped_bits_and_cut_files(small, tmp_path):
