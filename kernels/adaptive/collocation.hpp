@@ -152,9 +152,9 @@ class CollocationSweeps {
     contact_acts_ = false;
     springs_ = 0;
     for (int e = 0; e < count; ++springs_) {
-      const Neighbours group = neighbours(cells, e, count);
-      add_contact(cells, group, again);
-      e = group.end;
+      const Neighbours joint = neighbours(cells, e, count);
+      add_contact(cells, joint, again);
+      e = joint.end;
     }
     const double* const forces = contact_acts_ ? buffers_.contact_at : buffers_.force_at;
     Real by(0.0), size(0.0);
@@ -500,15 +500,15 @@ class CollocationSweeps {
   }
 
   /// Contact in these cells: adds its modal forces and its work, and keeps its spring.
-  RA2D_FUNCTION void add_contact(const int* cells, const Neighbours& group, bool again) {
-    const double* const c = cells_.shapes_of(group.cell);
+  RA2D_FUNCTION void add_contact(const int* cells, const Neighbours& joint, bool again) {
+    const double* const c = cells_.shapes_of(joint.cell);
     // displacements in the shapes' own terms: along the path, and along the slider
     Cubic d[groups], own[groups], on_path[groups], on_slider[groups];
     sum_modes(Body::resonator, c, d);
     sum_modes(Body::slider, c, own);
     bool any = false;
     for (int g = 0; g < groups; ++g)
-      any |= add_contact(cells, group, g, again, d[g].c, own[g].c, on_path[g].c, on_slider[g].c);
+      any |= add_contact(cells, joint, g, again, d[g].c, own[g].c, on_path[g].c, on_slider[g].c);
     if (!any) return;
     add_modal_forces(Body::resonator, c, on_path);
     add_modal_forces(Body::slider, c, on_slider);
@@ -516,17 +516,17 @@ class CollocationSweeps {
   }
   /// At the points of a group, given the displacements in the cell whose shapes hold: its moments
   /// along the path and along the slider. Whether any force acts.
-  KOKKOS_FORCEINLINE_FUNCTION bool add_contact(const int* cells, const Neighbours& group, int g,
+  KOKKOS_FORCEINLINE_FUNCTION bool add_contact(const int* cells, const Neighbours& joint, int g,
                                                bool again, const Real* d, const Real* own,
                                                Real* on_path, Real* on_slider) {
     const Real spring(contact_.node_stiffness);  // of a whole cell
     Real length(0.0);
     for (int j = 0; j < 4; ++j) on_path[j] = on_slider[j] = Real(0.0);
     bool any = false;
-    for (int e = group.first; e < group.end; ++e) {
+    for (int e = joint.first; e < joint.end; ++e) {
       const int cell = cells[e];
       const CellFaces faces = cells_.faces(cell);
-      const Real away(static_cast<double>(cell - group.cell)), x = offset_[g] + away;
+      const Real away(static_cast<double>(cell - joint.cell)), x = offset_[g] + away;
       Real passing[4], moving[4];
       shift_cubic(d, x, passing);
       shift_cubic(own, away, moving);
@@ -556,7 +556,7 @@ class CollocationSweeps {
       shift_moments(f, away, moments);
       for (int j = 0; j < 4; ++j) on_slider[j] = on_slider[j] + moments[j];
     }
-    keep_spring(group.cell, spring * length, d[0] + own[0], g);
+    keep_spring(joint.cell, spring * length, d[0] + own[0], g);
     return any;
   }
 
