@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
@@ -14,6 +15,7 @@
 #include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/surface/spline.hpp"
 
 namespace ra2d {
 namespace {
@@ -254,6 +256,21 @@ void note_mesh(const Scene& scene, Plan& plan) {
       "below the highest mode ({:.0f} Hz); beyond it with scene.spacing = {}, none with "
       "scene.faces = \"smooth\"",
       tone, highest, rounded_down(scene.speed / highest)));
+}
+
+/// Adds notes on peaks beside which splines ring; of rough faces commands warn (doubt_faces). Peaks
+/// touch at their tops, and ring at their feet.
+void note_splines(const Model& model, Plan& plan) {
+  if (!model.has_smooth_faces()) return;
+  const Scene& scene = model.scene;
+  for (const auto& [name, body, heights] :
+       {std::tuple{"resonator", &scene.resonator, &model.resonator_height},
+        std::tuple{"slider", &scene.slider, &model.slider_height}})
+    if (body->surface.kind == SurfaceKind::peaks && spline_error(*heights) > most_spline_error)
+      plan.notes.push_back(fmt::format(
+          "{}.surface: between nodes {:g} m apart its spline may be off by some {:.2g} m beside "
+          "its peaks; less so with a finer scene.spacing",
+          name, scene.spacing, spline_off(*heights)));
 }
 
 /// A step [s] as the table and the messages give it: what holds, or how much of it.
@@ -601,6 +618,7 @@ Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) 
     plan.notes.push_back("the resonator keeps no mode: nothing vibrates and there is no level");
   if (!is_adaptive(scene)) note_step(model, plan);
   note_mesh(scene, plan);
+  note_splines(model, plan);
   plan.sound = plan_sound(model, plan.notes);
   if (const std::string overlap = overlap_at_start(model); !overlap.empty())
     plan.notes.push_back("'ra2d run' refuses this scene: " + overlap);

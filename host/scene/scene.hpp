@@ -183,7 +183,7 @@ struct Scene {
   // of areal scenes; both are there when a scene has been read
   std::optional<double> spacing_y;  // m, chi_y, between rows of nodes; none: as spacing
   std::optional<double> side;       // m, y0, of the slider on the resonator; none: in its middle
-  Faces faces = Faces::linear;
+  Faces faces = Faces::linear;      // of a file without the key: smooth, if the scene is plane
   Initial initial =
       Initial::rest;  // of a file without the key: statics, where there is an equilibrium
 

@@ -90,6 +90,17 @@ TEST(SplineError, RingsBesideSteps) {
   EXPECT_LT(spline_error(hill), most_spline_error);
 }
 
+/// A cosine's foot has a corner in its slope; of rough faces Doubts.SplinesThatRing.
+TEST(SplineError, BesidePeaksIsANoteOfThePlan) {
+  const auto notes = [](const std::vector<std::string>& overrides) {
+    return plan_of(read_scene(scene_file("drop"), overrides)).notes;
+  };
+  const auto rings = testing::Contains(HasSubstr("slider.surface: between nodes 2e-05 m apart"));
+  EXPECT_THAT(notes({}), rings);
+  EXPECT_THAT(notes({"scene.faces=linear"}), Not(rings));
+  EXPECT_THAT(notes({"scene.spacing=5e-6"}), Not(testing::Contains(HasSubstr("its spline"))));
+}
+
 TEST(ChooseFaces, NamesTheCheapestThatHolds) {
   const Scene scene = paper();
   const FaceChoices found = plan_of(scene).faces;
