@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/footprint.hpp"
 #include "kernels/function.hpp"
 #include "kernels/group_sweep.hpp"
 #include "kernels/lanes.hpp"
@@ -13,16 +14,6 @@
 #include "kernels/tables.hpp"
 
 namespace ra2d {
-
-/// sum over the modes of weight_k |x_k|
-template <class Lanes, int packs>
-KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double* weight,
-                                                const typename Lanes::Real* x) {
-  typename Lanes::Real part = lanes.load(weight) * Kokkos::abs(x[0]);
-  for (int p = 1; p < filled<packs>(lanes); ++p)
-    part = multiply_add(lanes.load(weight + p * Lanes::width), Kokkos::abs(x[p]), part);
-  return lanes.sum(part);
-}
 
 /// Smooth faces: bound on what the overlap in a cell exceeds that at its ends by [m], for both
 /// cells beside each node of a group and as long as no node passes another. The faces' part; the
@@ -105,9 +96,9 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
   return 2 * 0x1p-52 * (place.position + 1.0);
 }
 
-/// The groups of nodes that can come into contact while no node passes another and sum_k max|psi_k|
-/// |U_k - U_k^ref| <= range: all that a search for contact has to evaluate. U^ref are the modal
-/// displacements at which the list was made.
+/// The groups of nodes that can come into contact while no node passes another and U - U^ref moves
+/// none by more than `range` (kernels/footprint.hpp): all that a search for contact has to
+/// evaluate. U^ref are the modal displacements at which the list was made.
 ///
 /// Found in two passes. The first, coarse, takes for each node the highest point of the resonator's
 /// face over the next `width` spacings of the slider's path, and holds for as long. The second
@@ -117,9 +108,9 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 ///
 /// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
 /// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
-/// move its middle by and differ by across it, bound the overlaps of all its nodes. In fixed
-/// steps, where lists are short, that pass is to hold for long, since it takes long: the near list
-/// has those of its groups that matter for a while.
+/// move its middle by and differ by across it, bound the overlaps of all its nodes. It takes long,
+/// so it is to hold for long. Of its groups those are left out first that the faces alone, and what
+/// the slider has moved since, keep from contact: before any sum over the modes.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -143,13 +134,18 @@ class CandidateGroups {
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
   KOKKOS_FORCEINLINE_FUNCTION int operator[](int e) const { return lists_.groups[e]; }
-  /// How far the modes may still travel before the list no longer holds [m].
-  KOKKOS_FORCEINLINE_FUNCTION double remaining_travel(const Real* u) const {
-    return range_ - moved(lists_.reference_u, u);
+  /// How far the modes have travelled since the list was made [m], and how far they may.
+  RA2D_FUNCTION double travelled(const Real* u, const Place& place) const {
+    return place.base == base_ ? moved(lists_.reference_u, u, place) : 1e300;
   }
-  /// Whether the list holds for all states within `travel` [m] of this one.
+  KOKKOS_FORCEINLINE_FUNCTION double range() const { return range_; }
+  /// Whether the list holds for all states within `travel` [m] of one that has travelled so far.
+  KOKKOS_FORCEINLINE_FUNCTION bool holds(const Place& place, double travelled,
+                                         double travel) const {
+    return place.base == base_ && travelled + travel <= range_;
+  }
   RA2D_FUNCTION bool holds(const Real* u, const Place& place, double travel) const {
-    return place.base == base_ && moved(lists_.reference_u, u) + travel <= range_;
+    return holds(place, travelled(u, place), travel);
   }
   /// Finds them anew about u, to hold for a travel of `range` [m]. `rounding` bounds the rounding
   /// of a displacement; `back` [chi] is how far back on the slider's path the list must hold.
@@ -174,12 +170,14 @@ class CandidateGroups {
                0.5 * back * back * faces_.largest_face_curvature;
     const double below = range_ + error;
     // the motion since then, raised by the roundings of both displacements
-    double coarse_below = (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u) + below + error;
+    const auto below_since = [&](bool in_group) {
+      return (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place, in_group) + below + error;
+    };
+    double coarse_below = below_since(false);
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_)) {
       coarse_base_ = place.base;
-      coarse_below_ = (has_near_list() ? 8.0 : 4.0) * below;
-      near_below_ = -1.0;
+      coarse_below_ = (faces_.rows.across == nullptr ? 4.0 : 6.0) * below;
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
       if (faces_.rows.across == nullptr) [[likely]]
@@ -188,14 +186,12 @@ class CandidateGroups {
         find_coarse_on_rows(u, place);
       coarse_below = below + error;
     }
-    if (has_near_list() && !(coarse_below <= near_below_)) {
-      near_below_ = coarse_below + 2.0 * below;
-      find_near();
-    }
+    double in_group_below = coarse_below;
+    if (footprint().exists()) in_group_below = below_since(true);
     if (!faces_.smooth) [[likely]]
-      find_fine<false>(u, place, below, coarse_below, to_end, back);
+      find_fine<false>(u, place, below, coarse_below, in_group_below, to_end, back);
     else
-      find_fine<true>(u, place, below, coarse_below, to_end, back);
+      find_fine<true>(u, place, below, coarse_below, in_group_below, to_end, back);
   }
 
  private:
@@ -213,54 +209,91 @@ class CandidateGroups {
   // of the coarse pass
   int coarse_count_ = 0, coarse_base_ = -2 * width;
   double coarse_below_ = -1.0;
-  // of the near list
-  int near_count_ = 0;
-  double near_below_ = -1.0;
-
-  KOKKOS_FORCEINLINE_FUNCTION bool has_near_list() const { return lists_.near != nullptr; }
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
   }
-  /// Distance between u and the displacements at which a list was made [m].
-  KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u) const {
+  /// How far the modes have moved any node since a list was made at the displacements `from` [m].
+  /// `in_group`: see Footprint::most.
+  KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u, const Place& place,
+                                           bool in_group = false) const {
     Real away[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
-    return weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, away);
+    return footprint().most(place, away, in_group);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
+    return {lanes_, bounds_};
+  }
+  /// Displacement of the middle of a group by the slider since the coarse list was made [m]; 0
+  /// without a footprint.
+  RA2D_FUNCTION double own_displacement(int group) const {
+    double moved = 0.0;
+    if (footprint().exists())
+      for (int k = 0; k < slider_.modes; ++k) {
+        const int lane = slider_.first_lane + k;
+        moved += shape_in_group<Lanes, packs>(faces_, slider_, group, k) *
+                 (lists_.reference_u[lane] - lists_.coarse_reference_u[lane]);
+      }
+    return moved;
   }
 
   /// The groups of the coarse list that come within `below` of contact on the rest of this spacing.
+  /// The list bounds their overlaps then, up to `coarse_below`; areal scenes: together with what
+  /// the slider has moved the group by, up to `in_group_below`.
   template <bool smooth>
   KOKKOS_FORCEINLINE_FUNCTION void find_fine(const Real* u, const Place& place, double below,
-                                             double coarse_below, double to_end, double back) {
+                                             double coarse_below, double in_group_below,
+                                             double to_end, double back) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
     int count = 0, evaluated = 0;
-    const int listed = has_near_list() ? near_count_ : coarse_count_;
-    for (int i = 0; i < listed; ++i) {
-      const int e = has_near_list() ? lists_.near[i] : i;
-      if (lists_.coarse_highest[e] < -coarse_below) continue;
-      ++evaluated;
-      const int group = lists_.coarse_groups[e];
-      const auto now = sweep.overlap(group);
-      Real ahead;
-      if constexpr (smooth)
-        ahead = PiecePassed<Lanes>(lanes_, faces_, place, group).rise(to_end, now.rise);
-      else
-        ahead = Kokkos::max(Real(to_end) * now.rise, Real(0.0));
-      Real most = now.overlap + Kokkos::max(ahead, Real(-back) * now.rise);
-      if constexpr (smooth) most = most + cell_sag(lanes_, faces_, place, group);
-      if (lanes_.at_least(most, -below) == 0) continue;
-      RA2D_CHECK(count < faces_.groups);
-      if (lists_.highest != nullptr) [[unlikely]] {
-        const double highest = lanes_.max(now.overlap);
-        if (lanes_.leader()) lists_.highest[count] = highest;
+    for (int first = 0; first < coarse_count_; first += width) {
+      const int left = coarse_count_ - first;
+      std::uint32_t close =
+          lanes_.at_least(lanes_.load(lists_.coarse_highest + first), -coarse_below);
+      if (left < width) close &= (1u << left) - 1u;
+      for (; close != 0; close &= close - 1) {
+        const int e = first + Kokkos::Experimental::countr_zero_builtin(close);
+        const int group = lists_.coarse_groups[e];
+        if (lists_.coarse_displacement != nullptr) [[unlikely]] {
+          const StaticOverlap<Lanes> faces(lanes_, faces_, place, group,
+                                           nodes_beyond(faces_, group));
+          const Real most =
+              most_on_way<smooth>(place, group, faces.height, faces.rise, to_end, back);
+          const double moved = lists_.coarse_displacement[e] + own_displacement(group);
+          if (lanes_.at_least(most, -in_group_below - moved) == 0) continue;
+        }
+        ++evaluated;
+        const auto now = sweep.overlap(group);
+        const Real most = most_on_way<smooth>(place, group, now.overlap, now.rise, to_end, back);
+        if (lanes_.at_least(most, -below) == 0) continue;
+        RA2D_CHECK(count < faces_.groups);
+        if (lists_.highest != nullptr) [[unlikely]] {
+          const double highest = lanes_.max(now.overlap);
+          if (lanes_.leader()) lists_.highest[count] = highest;
+        }
+        if (lanes_.leader()) lists_.groups[count] = group;
+        ++count;
       }
-      if (lanes_.leader()) lists_.groups[count] = group;
-      ++count;
     }
     count_ = count;
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(evaluated) * width;
     lanes_.sync();
+  }
+
+  /// The most that an overlap, `now` at the nodes of a group, becomes there and in the cells
+  /// between them by the way over the faces: on the rest of this spacing, and `back` [chi] before.
+  /// `rise`: of the resonator's face to its next node.
+  template <bool smooth>
+  KOKKOS_FORCEINLINE_FUNCTION Real most_on_way(const Place& place, int group, const Real& now,
+                                               const Real& rise, double to_end, double back) const {
+    Real ahead;
+    if constexpr (smooth)
+      ahead = PiecePassed<Lanes>(lanes_, faces_, place, group).rise(to_end, rise);
+    else
+      ahead = Kokkos::max(Real(to_end) * rise, Real(0.0));
+    Real most = now + Kokkos::max(ahead, Real(-back) * rise);
+    if constexpr (smooth) most = most + cell_sag(lanes_, faces_, place, group);
+    return most;
   }
 
   /// sum_k U_k psi_k(x) of the resonator in the middle of a patch.
@@ -311,19 +344,6 @@ class CandidateGroups {
 
   // ---- areal scenes
 
-  /// The groups of the coarse list that matter until the modes have brought it `near_below_`
-  /// closer.
-  RA2D_FUNCTION void find_near() {
-    int count = 0;
-    lanes_.sync();
-    for (int e = 0; e < coarse_count_; ++e) {
-      if (lists_.coarse_highest[e] < -near_below_) continue;
-      if (lanes_.leader()) lists_.near[count] = e;
-      ++count;
-    }
-    near_count_ = count;
-    lanes_.sync();
-  }
   RA2D_FUNCTION void find_coarse_on_rows(const Real* u, const Place& place) {
     const double variation = weighted_sum<Lanes, packs>(lanes_, bounds_.tile_variation, u);
     int count = 0;
@@ -421,7 +441,10 @@ class CandidateGroups {
           Real top = lanes_.load(faces_.height1 + group * width) + face + displacement;
           if (faces_.smooth) [[unlikely]]
             top = top + sag_on_path(group, passed);
+          const int listed = count;
           list_coarse(group, top, count);
+          if (count > listed && lanes_.leader())
+            lists_.coarse_displacement[listed] = lists_.tile_displacement[tile];
         }
       }
   }

@@ -155,8 +155,12 @@ class Candidates {
                               (0.75 * b.acceleration + b.acceleration_per_newton * last_force) +
                           0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
     const double listed_travel = b.speed * listed_time + margin;
-    if (!groups_.holds(u, place, listed_travel)) find_groups(u, v, place);
-    const double remaining = groups_.remaining_travel(u);
+    double travelled = groups_.travelled(u, place);
+    if (!groups_.holds(place, travelled, listed_travel)) {
+      find_groups(u, v, place);
+      travelled = 0.0;
+    }
+    const double remaining = groups_.range() - travelled;
     if (remaining < listed_travel) {
       aim_at(aimed_steps_ / 2);
       return {ContactForecast::search, 1, 0};  // too fast: step by step

@@ -207,17 +207,17 @@ struct Caches {
 
 /// The lists of kernels/candidate_groups.hpp.
 struct CandidateLists {
-  int* groups = nullptr;                 // that can come into contact while the list holds
-  double* reference_u = nullptr;         // modal displacements at which it was made
-  int* coarse_groups = nullptr;          // of the coarse list, from which the other is drawn
-  double* coarse_highest = nullptr;      // m, largest overlap of each on the path ahead
-  double* coarse_reference_u = nullptr;  // modal displacements at which the coarse list was made
-  int* near = nullptr;                   // areal scenes, fixed steps: places in the coarse list
-  int* tiles = nullptr;                  // areal scenes: of a band, that come close
-  double* tile_displacement = nullptr;   // m, of each tile of a band: the most of its nodes
-  bool kept = false;                     // whether lists of nodes are (keeps_lists)
-  int most_listed = 0;                   // nodes that there is room for in WorkSpace::listed_nodes
-  double* highest = nullptr;             // m, Form::adaptive in areal scenes: overlap of each group
+  int* groups = nullptr;                  // that can come into contact while the list holds
+  double* reference_u = nullptr;          // modal displacements at which it was made
+  int* coarse_groups = nullptr;           // of the coarse list, from which the other is drawn
+  double* coarse_highest = nullptr;       // m, largest overlap of each on the path ahead
+  double* coarse_displacement = nullptr;  // m, areal scenes: the modes' part in it
+  double* coarse_reference_u = nullptr;   // modal displacements at which the coarse list was made
+  int* tiles = nullptr;                   // areal scenes: of a band, that come close
+  double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
+  bool kept = false;                      // whether lists of nodes are (keeps_lists)
+  int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
+  double* highest = nullptr;  // m, Form::adaptive in areal scenes: overlap of each group
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -341,9 +341,15 @@ struct OnsetSearch {
   double* onsets = nullptr;      // where the contact of a listed node begins
   double* polynomial = nullptr;  // (order): of one node
   double* bernstein = nullptr;   // one series and two values more
-  // areal scenes, of candidate groups
+};
+
+/// Areal scenes: of the candidate groups, see kernels/adaptive/group_bounds.hpp.
+struct GroupBuffers {
   int* selected = nullptr;            // those that can come into contact within the step
   std::int64_t* evaluated = nullptr;  // at which step's beginning the overlaps are known
+  double* steepest = nullptr;         // m per chi, that the face rises by at the most
+  double* own_shape = nullptr;        // (slider mode, group): psi in the middle of the group
+  double* own_motion = nullptr;       // (4, lane): Bernstein coefficients of the slider's modes
 };
 
 struct WorkSpace {
@@ -359,6 +365,7 @@ struct WorkSpace {
   PointBuffers points;
   ContactSpans spans;
   OnsetSearch search;
+  GroupBuffers groups;
 };
 
 // ---- out
@@ -487,9 +494,13 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("end_overlaps", s.search.overlaps, 4 * nodes);
   if (n.cluster_degree > 0) visit_arrays(s.clusters, n, visit);
   if (n.rows > 0) {
-    visit("highest", s.candidates.highest, groups);
-    visit("selected", s.search.selected, groups);
-    visit("evaluated", s.search.evaluated, groups);
+    const std::size_t padded = groups + n.width;
+    visit("highest", s.candidates.highest, padded);
+    visit("selected", s.groups.selected, groups);
+    visit("evaluated", s.groups.evaluated, groups);
+    visit("steepest", s.groups.steepest, padded);
+    visit("own_shape", s.groups.own_shape, n.slider_modes * padded);
+    visit("own_motion", s.groups.own_motion, 4 * lanes);
   }
   if (n.smooth) {
     const auto points = static_cast<std::size_t>(padded_points(n.width));
@@ -521,11 +532,11 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("candidate_groups", s.candidates.groups, groups);
   visit("candidate_reference_u", s.candidates.reference_u, lanes);
   visit("coarse_groups", s.candidates.coarse_groups, groups);
-  visit("coarse_highest", s.candidates.coarse_highest, groups);
+  visit("coarse_highest", s.candidates.coarse_highest, groups + n.width);
+  if (n.rows > 0) visit("coarse_displacement", s.candidates.coarse_displacement, groups);
   visit("coarse_reference_u", s.candidates.coarse_reference_u, lanes);
   visit("amplitudes", s.amplitudes, 2 * lanes);
   if (n.rows > 0) {
-    if (!n.adaptive()) visit("near_groups", s.candidates.near, groups);
     visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));

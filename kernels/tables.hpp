@@ -190,6 +190,7 @@ struct Extents {
   int active = 0;               // nodes that can carry force at once under Form::implicit
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
   int cluster_degree = 0;       // ClusterTables::degree
+  int footprint_terms = 0, footprint_places = 0;  // FootprintTables
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
   std::size_t padded_row() const { return static_cast<std::size_t>(row_groups) * width; }
@@ -334,6 +335,21 @@ struct SchemeWeights {
   const double* end = nullptr;      // rows of lanes, see EndRow
 };
 
+/// The modes' shapes on the part of the resonator that an areal scene's slider stands on, as
+/// polynomials (kernels/footprint.hpp). A place has those of so many nodes of the slider's path.
+struct FootprintTables {
+  int terms = 0;                 // whole blocks of footprint_side_by_side; 0: there are none
+  int first = 0;                 // Place::base where the path begins
+  int nodes = 1;                 // of the path, to a place
+  int places = 0;                //
+  const double* rows = nullptr;  // (place, term, lane): Phi; 0 of the slider's modes
+  // what they leave out of a shape, roundings as well; of the slider's modes all, or what is left
+  // where a group's middle is followed
+  const double *remainder = nullptr, *remainder_in_group = nullptr;
+};
+/// Terms that are summed together.
+inline constexpr int footprint_side_by_side = 4;
+
 /// Bounds on the motion, from which follows which nodes can come into contact, and how tightly they
 /// are used.
 struct MotionLimits {
@@ -358,6 +374,7 @@ struct MotionLimits {
   const double* tile_variation = nullptr;
   const double* cubic_remainder = nullptr;        // what a cubic over a patch leaves out, over |U|
   const double* cubic_slope_remainder = nullptr;  // 1/m, of its slope
+  FootprintTables footprint;
 };
 
 /// The series of an adaptive step.
@@ -497,6 +514,12 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
     visit("tile_shape", t.faces.tiles.shape,
           static_cast<std::size_t>(n.slider_modes) * n.padded_tiles());
     visit("tile_across", t.faces.tiles.across, bands * n.lanes);
+    if (n.footprint_terms > 0) {
+      const auto lanes = static_cast<std::size_t>(n.lanes);
+      visit("footprint", t.bounds.footprint.rows, n.footprint_places * n.footprint_terms * lanes);
+      visit("footprint_remainder", t.bounds.footprint.remainder, lanes);
+      visit("footprint_remainder_in_group", t.bounds.footprint.remainder_in_group, lanes);
+    }
     if (n.cluster_degree > 0)
       visit("cluster_across", t.clusters.across,
             static_cast<std::size_t>(n.place_rows()) * 4 * n.lanes);

@@ -77,7 +77,7 @@ struct BodiesByHand {
     for (std::vector<int>* list : {&groups_, &coarse_groups_, &listed_nodes_, &contacts_})
       list->assign(nodes, 0);
     reference_u_.assign(modes, 0.0), coarse_reference_u_ = reference_u_;
-    amplitudes_.assign(2 * modes, 0.0), coarse_highest_.assign(groups, 0.0);
+    amplitudes_.assign(2 * modes, 0.0), coarse_highest_.assign(groups + width, 0.0);
     overlaps_.assign(4 * groups * width, 0.0);
     s.work.candidates.groups = groups_.data(),
     s.work.candidates.coarse_groups = coarse_groups_.data(),

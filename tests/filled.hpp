@@ -25,10 +25,10 @@ struct Filled {
   std::vector<std::vector<double>> arrays;
 
   explicit Filled(const Scene& scene) : Filled(make_model(scene)) {}
-  explicit Filled(Model made)
+  explicit Filled(Model made, int lanes = packs * width)
       : model{std::move(made)},
         series{choose_series(model, width)},
-        n{extents_of(model, series, packs * width, width, Capacity())} {
+        n{extents_of(model, series, lanes, width, Capacity())} {
     visit_arrays(t, n, [&](const char*, auto*& array, std::size_t count) {
       using Value = std::remove_reference_t<decltype(*array)>;
       static_assert(sizeof(Value) % sizeof(double) == 0);

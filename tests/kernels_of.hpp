@@ -114,6 +114,7 @@ Overlaps<HostLanes, packs> overlaps_of(const SceneTables& t, SceneState& s) {
           s.work.amplitudes,
           s.work.listed_nodes,
           s.work.search,
+          s.work.groups,
           s.carried.sums.evaluated};
 }
 

@@ -6,6 +6,7 @@
 
 #include "host/device/collocation_tables.hpp"
 #include "host/device/flight_tables.hpp"
+#include "host/device/footprint_tables.hpp"
 #include "host/device/gauss.hpp"
 #include "host/model/bounds.hpp"
 #include "host/model/step_bounds.hpp"
@@ -564,6 +565,7 @@ void fill(SceneTables& tables, const Model& model, const PatchSeries& series, co
   filler.across();
   filler.faces();
   filler.clusters();
+  if (n.footprint_terms > 0) fill_footprint(tables.bounds, model, n, host);
   filler.moving_forces();
 }
 

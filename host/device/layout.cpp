@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/base/errors.hpp"
+#include "host/device/footprint_tables.hpp"
 #include "host/model/bounds.hpp"
 #include "host/scene/schemes.hpp"
 
@@ -123,6 +124,9 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     n.contacts = std::min(n.listed, capacity.nodes);
   }
   n.cluster_degree = cluster_degree(model, width);
+  const FootprintShape footprint = choose_footprint(model, width);
+  n.footprint_terms = footprint.terms();
+  n.footprint_places = footprint.places;
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   n.samples = static_cast<int>(std::min<std::int64_t>(capacity.samples, model.samples));
   n.shocks = capacity.shocks + n.runs();

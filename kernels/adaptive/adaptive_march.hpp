@@ -77,6 +77,7 @@ class AdaptiveMarch {
                   state.work.amplitudes,
                   state.work.listed_nodes,
                   state.work.search,
+                  state.work.groups,
                   state.carried.sums.evaluated},
         contacts_{lanes,
                   tables.adaptive,
@@ -203,8 +204,9 @@ class AdaptiveMarch {
   /// Keeps the overlaps at the end of this step as those at the beginning of the next, unless a
   /// node has passed another.
   RA2D_FUNCTION void keep_overlaps(const Place& place) {
-    if (path_.at(tick_).base == place.base)
-      overlaps_.end_becomes_start();
+    const Place end = path_.at(tick_);
+    if (end.base == place.base)
+      overlaps_.end_becomes_start(end, now_.u);
     else
       overlaps_.discard_start();
   }
@@ -366,19 +368,31 @@ class AdaptiveMarch {
 
     // contacts that begin
     enter(search);
-    const double rise = overlaps_.longest_rise(now_.u, bounds, ticks);
-    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
-    overlaps_.select(now_.u, bounds, rise);
-    overlaps_.evaluate_start(place, now_);
-    if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
     Modes there;
-    int flagged = 0;
-    bool in_series = !free;  // whether the motion is known as one
-    while (true) {
+    const auto arrive = [&] {
       if (free)
         there.take(lanes_, flown(ticks));
       else
         series_.state(end, there.u, there.v);
+    };
+    bool arrived = false;
+    Rise rise;
+    if (overlaps_.knows_footprint()) [[unlikely]] {
+      arrive();
+      arrived = true;
+      rise = overlaps_.longest_rise(place, now_, there, bounds, ticks);
+    } else {
+      rise = overlaps_.longest_rise(now_.u, bounds, ticks);
+    }
+    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
+    overlaps_.select(place, now_.u, bounds, rise, ticks);
+    overlaps_.evaluate_start(place, now_);
+    if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
+    int flagged = 0;
+    bool in_series = !free;  // whether the motion is known as one
+    while (true) {
+      if (!arrived) arrive();
+      arrived = false;
       enter(evaluate_end);
       flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
       if (!overlaps_.has_room(flagged)) [[unlikely]]
@@ -482,7 +496,7 @@ class AdaptiveMarch {
   /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
   /// into contact within it. Those at its beginning have been found.
   RA2D_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
-                                      const MotionBounds& bounds, double rise) {
+                                      const MotionBounds& bounds, const Rise& rise) {
     const Place end_place = path_.moved(place, tick_ + ticks);
     overlaps_.evaluate_end(end_place, end.u, end.v);
     const int flagged =

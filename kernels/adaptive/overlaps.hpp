@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/adaptive/crossing.hpp"
+#include "kernels/adaptive/group_bounds.hpp"
 #include "kernels/adaptive/modal_state.hpp"
 #include "kernels/adaptive/pace.hpp"
 #include "kernels/adaptive/series.hpp"
@@ -31,8 +32,8 @@ namespace ra2d {
 ///                comes to zero (kernels/adaptive/crossing.hpp).
 ///
 /// Areal scenes have many candidate groups, of which few come near contact within a step. There
-/// evaluate skips a group whose last overlap plus its largest rise since then, and within the step,
-/// stays below contact (select): no node or cell of it could be flagged.
+/// evaluate skips those that cannot (kernels/adaptive/group_bounds.hpp): no node or cell of them
+/// could be flagged.
 ///
 /// A contact begins at +tolerance and ends at -tolerance (kernels/adaptive/contacts.hpp). The
 /// tolerance is more than an overlap's roundings, and never zero. So a contact that has just begun
@@ -50,7 +51,7 @@ class Overlaps {
                          const MotionLimits& bounds, const SeriesTables& adaptive,
                          const NodeContact<Lanes, packs>& node_contact, const ContactSet& contacts,
                          CandidateLists& lists, double* amplitudes, int* listed_nodes,
-                         OnsetSearch& search, std::int64_t& evaluated)
+                         OnsetSearch& search, GroupBuffers& groups, std::int64_t& evaluated)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
@@ -64,9 +65,9 @@ class Overlaps {
         listed_nodes_{listed_nodes},
         most_listed_{lists.most_listed},
         search_{search},
-        lists_{lists},
         evaluated_{evaluated},
         candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
+        group_bounds_{lanes, motion, faces, slider, bounds, lists, groups},
         start_{search.overlaps},
         end_{search.overlaps + 2 * faces.groups * width},
         is_selective_{faces.rows.across != nullptr && bounds.searched != Nodes::all} {}
@@ -82,49 +83,49 @@ class Overlaps {
                                                                 lanes_, bounds_.largest_shape, u));
   }
 
-  /// Bound on the rise of an overlap within a step from u on [m], and twice the error of its value.
-  RA2D_FUNCTION double longest_rise(const Real* u, const MotionBounds& bounds,
-                                    std::int64_t ticks) const {
-    const double distance = static_cast<double>(ticks) * motion_.advance;
-    double slope = faces_.steepest_rise;
-    if (distance > 0.0)
-      slope += motion_.spacing * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_slope, u);
-    return bounds.travel + distance * slope + 2.0 * overlap_error(bounds);
+  /// Bounds on the rise of an overlap within a step from u on, and twice the error of its value.
+  RA2D_FUNCTION Rise longest_rise(const Real* u, const MotionBounds& bounds,
+                                  std::int64_t ticks) const {
+    return with_path(u, bounds, ticks, {bounds.travel, bounds.travel});
+  }
+  /// For a step whose end is known, if there is a footprint (knows_footprint): tighter ones.
+  RA2D_FUNCTION Rise longest_rise(const Place& place, const ModalState<Lanes, packs>& now,
+                                  const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
+                                  std::int64_t ticks) {
+    const double time = static_cast<double>(ticks) * motion_.time_step;
+    return with_path(
+        now.u, bounds, ticks,
+        group_bounds_.rise(place, now, end, time, cubic_error(bounds, time), bounds.travel));
+  }
+  KOKKOS_FORCEINLINE_FUNCTION bool knows_footprint() const {
+    return group_bounds_.footprint().exists();
   }
 
   /// Finds candidate groups that hold over the step, and likely over the `later` ticks after it.
   RA2D_FUNCTION void find_groups(const Place& place, const ModalState<Lanes, packs>& now,
-                                 const MotionBounds& bounds, double rise, std::int64_t later) {
-    if (bounds_.searched == Nodes::all || candidates_.holds(now.u, place, rise)) return;
+                                 const MotionBounds& bounds, const Rise& rise, std::int64_t later) {
+    if (bounds_.searched == Nodes::all || candidates_.holds(now.u, place, rise.any)) return;
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(later) * motion_.time_step;
-    const double expected =
-        time < 1e30 ? time * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_shape, now.v) : 0.0;
-    candidates_.find(now.u, place, 1.5 * rise + 0.5 * expected + bounds_.least_range,
+    const double expected = time < 1e30 ? time * group_bounds_.footprint().most(place, now.v) : 0.0;
+    candidates_.find(now.u, place, 1.5 * rise.any + 0.5 * expected + bounds_.least_range,
                      bounds.rounding(), 0.0);
     start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
-      begin_anew(false);
+      group_bounds_.begin(place, candidates_.count());
   }
 
-  /// Areal scenes: selects the groups whose overlaps are to be found for a step from u on, in which
-  /// none rises by more than `rise`. May be called again for the same step.
-  RA2D_FUNCTION void select(const Real* u, const MotionBounds& bounds, double rise) {
+  /// Areal scenes: selects the groups whose overlaps are to be found for a step from u on, which
+  /// rise by no more than `rise`.
+  RA2D_FUNCTION void select(const Place& place, const Real* u, const MotionBounds& bounds,
+                            const Rise& rise, std::int64_t ticks) {
     if (!is_selective_) [[likely]]
       return;
-    double least = highest_start(bounds, rise) - risen_;
+    double least = highest_start(bounds, rise);
     if (faces_.smooth) [[unlikely]]
       least -= faces_.largest_cell_sag + modes_sag(u, bounds.travel);
-    const int all = candidates_.count();
-    int count = 0;
-    for (int e = 0; e < all; ++e) {
-      if (lists_.highest[e] < least) continue;
-      if (lanes_.leader()) search_.selected[count] = e;
-      ++count;
-    }
-    selected_ = count;
-    rise_ = rise;
-    lanes_.sync();
+    group_bounds_.select(place, candidates_.count(), static_cast<double>(ticks) * motion_.advance,
+                         rise.rest, least);
   }
   /// Finds overlaps and rates at the beginning of the step, unless they are known.
   RA2D_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
@@ -135,26 +136,28 @@ class Overlaps {
   RA2D_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
     if (groups() > 0) evaluate(place, u, v, end_);
   }
-  /// Takes the overlaps at the end of a step for the beginning of the next. Where a node has passed
-  /// another, or a contact has begun, they must be found anew: discard_start().
-  RA2D_FUNCTION void end_becomes_start() {
+  /// Takes the overlaps at the end of a step for the beginning of the next, where the modes are at
+  /// u. Where a node has passed another, or a contact has begun, they must be found anew:
+  /// discard_start().
+  RA2D_FUNCTION void end_becomes_start(const Place& end, const Real* u) {
     double* const swap = start_;
     start_ = end_;
     end_ = swap;
-    if (is_selective_) [[unlikely]]
-      rise_by_step(true);
+    if (!is_selective_) [[likely]]
+      return;
+    group_bounds_.end_step();
+    group_bounds_.take(end, u, start_);
   }
   RA2D_FUNCTION void discard_start() {
     start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
-      rise_by_step(false);
+      group_bounds_.end_step();
   }
   /// As discard_start(), after a step for which no groups were selected.
   RA2D_FUNCTION void forget_start() {
     start_is_valid_ = false;
-    if (!is_selective_) [[likely]]
-      return;
-    begin_anew(true);
+    if (is_selective_) [[unlikely]]
+      group_bounds_.forget(candidates_.count());
   }
 
   /// Whether so many nodes could be flagged. In plane scenes all can.
@@ -176,13 +179,13 @@ class Overlaps {
   /// The length of the next step depends on these nodes, so they must be the same whichever groups
   /// are listed. Hence no node is flagged that a list of candidate groups may leave out.
   RA2D_FUNCTION int flag(const Place& place, const Real* u, double time, const MotionBounds& bounds,
-                         double rise) const {
+                         const Rise& rise) const {
     const int all = groups();
     if (all == 0) return 0;
     const double sag = faces_.smooth ? modes_sag(u, bounds.travel) : 0.0;
     const double level = -(cubic_error(bounds, time) + overlap_error(bounds) + sag);
     const double start = highest_start(bounds, rise) - sag;
-    const double third = time / 3.0;
+    const double third = time / 3.0, distance = time * (motion_.advance / motion_.time_step);
     int count = 0, at = 0;
     for (int i = 0; i < all; ++i) {
       const int e = index(i);
@@ -200,7 +203,11 @@ class Overlaps {
         b0 = b0 + in_cell;
       }
       std::uint32_t bits = lanes_.at_least(most, level);
-      if (bits != 0) bits &= lanes_.at_least(b0, start);
+      if (bits != 0) {
+        if (group_bounds_.follows())
+          b0 = b0 + group_bounds_.followed_rise(place, group(e), distance);
+        bits &= lanes_.at_least(b0, start);
+      }
       const int left = nodes_left(faces_, group(e), width);
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
@@ -420,17 +427,13 @@ class Overlaps {
   int* listed_nodes_;
   int most_listed_;
   OnsetSearch& search_;
-  CandidateLists& lists_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> candidates_;
+  GroupBounds<Lanes, packs> group_bounds_;
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
   bool start_is_valid_ = false;  // `start_` is of the present state and candidate groups
-  // areal scenes: an overlap is at most CandidateLists::highest + risen_
-  bool is_selective_;
-  int selected_ = 0;
-  double risen_ = 0.0, rise_ = 0.0;  // m; rise_: of the step
-  std::int64_t steps_ = 0;
+  bool is_selective_;            // areal scenes: evaluates selected groups
 
   /// Lists the cells beside a node; the nodes come in ascending order. `last`: one beyond the
   /// latest cell that is listed.
@@ -454,48 +457,31 @@ class Overlaps {
   /// Groups to evaluate, the i-th of which is number index(i) of the candidate groups.
   KOKKOS_FORCEINLINE_FUNCTION int groups() const {
     if (is_selective_) [[unlikely]]
-      return selected_;
+      return group_bounds_.selected();
     return bounds_.searched == Nodes::all ? faces_.groups : candidates_.count();
   }
   KOKKOS_FORCEINLINE_FUNCTION int index(int i) const {
-    return is_selective_ ? search_.selected[i] : i;
+    return is_selective_ ? group_bounds_[i] : i;
   }
   KOKKOS_FORCEINLINE_FUNCTION int group(int e) const {
     return bounds_.searched == Nodes::all ? e : candidates_[e];
   }
 
-  /// The overlap that a node must have at the beginning of a step to come into contact within it.
-  KOKKOS_FORCEINLINE_FUNCTION double highest_start(const MotionBounds& bounds, double rise) const {
-    return -(rise - overlap_error(bounds));
+  /// `travel` by the modes, with what a node's way over the faces adds, and the errors.
+  KOKKOS_FORCEINLINE_FUNCTION Rise with_path(const Real* u, const MotionBounds& bounds,
+                                             std::int64_t ticks, const Rise& travel) const {
+    const double distance = static_cast<double>(ticks) * motion_.advance;
+    double slope = group_bounds_.follows() ? 0.0 : faces_.steepest_rise;
+    if (distance > 0.0)
+      slope += motion_.spacing * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_slope, u);
+    const double path = distance * slope, errors = 2.0 * overlap_error(bounds);
+    return {travel.any + path + errors, travel.rest + path + errors};
   }
-  /// Forgets the overlaps at the beginning of the step; with `anything` also the bounds on them
-  /// that `select` uses.
-  RA2D_FUNCTION void begin_anew(bool anything) {
-    const int all = candidates_.count();
-    risen_ = 0.0;
-    lanes_.sync();
-    if (lanes_.leader())
-      for (int e = 0; e < all; ++e) {
-        search_.evaluated[e] = -1;
-        if (anything) lists_.highest[e] = 1e300;
-      }
-    lanes_.sync();
-  }
-  /// After a step: what its groups may have risen by. `end_is_valid`: the overlaps at its end are
-  /// those at the beginning of the next.
-  RA2D_FUNCTION void rise_by_step(bool end_is_valid) {
-    ++steps_;
-    risen_ += rise_ * (1.0 + 0x1p-40);
-    if (!end_is_valid) return;
-    lanes_.sync();
-    for (int i = 0; i < selected_; ++i) {
-      const int e = search_.selected[i];
-      const double highest = lanes_.max(lanes_.load(start_ + 2 * e * width));
-      if (!lanes_.leader()) continue;
-      lists_.highest[e] = highest - risen_;
-      search_.evaluated[e] = steps_;
-    }
-    lanes_.sync();
+  /// The overlap that a node must have at the beginning of a step to come into contact within it,
+  /// beside what is followed.
+  KOKKOS_FORCEINLINE_FUNCTION double highest_start(const MotionBounds& bounds,
+                                                   const Rise& rise) const {
+    return -(rise.rest - overlap_error(bounds));
   }
 
   /// Error of an evaluated overlap [m]. Roundings: one of the value, up to a third of one of the
@@ -517,7 +503,7 @@ class Overlaps {
     int found = 0;
     for (int i = 0; i < count; ++i) {
       const int e = index(i);
-      if (is_selective_ && to == start_ && search_.evaluated[e] == steps_) [[unlikely]] {
+      if (is_selective_ && to == start_ && group_bounds_.knows(e)) [[unlikely]] {
         ++found;
         continue;
       }
@@ -525,11 +511,8 @@ class Overlaps {
       lanes_.store(to + (2 * e) * width, overlap);
       lanes_.store(to + (2 * e + 1) * width, multiply_add(speed, slope, modes));
     }
-    if (is_selective_ && to == start_) [[unlikely]] {
-      lanes_.sync();
-      if (lanes_.leader())
-        for (int i = 0; i < count; ++i) search_.evaluated[index(i)] = steps_;
-    }
+    if (is_selective_ && to == start_) [[unlikely]]
+      group_bounds_.know_selected();
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(count - found) * width;
     lanes_.sync();
   }

@@ -292,9 +292,9 @@ class SmoothDrive {
     expected_onset_ = 1e300;
     if (!(size < 1e300)) return 3.0;
     const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
-    const double rise = overlaps_.longest_rise(now.u, bounds, ticks);
+    const Rise rise = overlaps_.longest_rise(now.u, bounds, ticks);
     overlaps_.find_groups(place, now, bounds, rise, available - ticks);
-    overlaps_.select(now.u, bounds, rise);
+    overlaps_.select(place, now.u, bounds, rise, ticks);
     overlaps_.evaluate_start(place, now);
     overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
     const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
@@ -379,7 +379,7 @@ class SmoothDrive {
     // the overlaps at the end are those of a whole step, and of this side of a node
     const Place there = path_.at(tick);
     if (made == ticks && there.base == place.base)
-      overlaps_.end_becomes_start();
+      overlaps_.end_becomes_start(there, now.u);
     else
       overlaps_.discard_start();
     return Outcome::made;

@@ -204,7 +204,7 @@ void measure_flight(const Marched& m, std::int64_t step, std::int64_t ticks, con
     return sum;
   };
   if (ticks < 1000 * between) return;  // its parts would not be where they are looked for
-  measure(m, "flight: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks), time,
+  measure(m, "flight: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks).any, time,
           std::max(1, m.t.faces.nodes / 24), overlap, moved, shares);
   // what the cubics over patches leave out, of the groups as they stand
   GroupSweep<HostLanes, packs> sweep(lanes, m.t.faces, m.t.slider, m.t.patches, place,
@@ -263,7 +263,7 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
       sum += m.t.bounds.largest_shape[k] * std::abs(m.at(u, k) - m.at(u0, k));
     return sum;
   };
-  measure(m, "contact: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks), time,
+  measure(m, "contact: ", bounds, overlaps.longest_rise(u0.data(), bounds, ticks).any, time,
           std::max(1, m.t.faces.nodes / 8), overlap, moved, shares);
   for (int e = 0; e < work.carried.contacts.count; ++e) {
     const double* c = series.overlap(e);

@@ -159,7 +159,7 @@ struct Lists {
         coarse_groups(t.faces.groups),
         reference_u(modes),
         coarse_reference_u(modes),
-        coarse_highest(t.faces.groups),
+        coarse_highest(t.faces.groups + width),
         amplitudes(modes),
         groups{lanes,
                t.motion,
@@ -192,7 +192,9 @@ struct Lists {
   bool holds(const Amplitudes& u, const Place& place, double travel) const {
     return groups.holds(Packs(u).u, place, travel);
   }
-  double remaining_travel(const Amplitudes& u) const { return groups.remaining_travel(Packs(u).u); }
+  double remaining_travel(const Amplitudes& u, const Place& place) const {
+    return groups.range() - groups.travelled(Packs(u).u, place);
+  }
   std::vector<int> listed() const {
     std::vector<int> out;
     for (int e = 0; e < groups.count(); ++e) out.push_back(groups[e]);
@@ -427,10 +429,10 @@ TEST(CandidateGroups, HoldUntilANodeIsPassedOrTheModesHaveGoneTooFar) {
   EXPECT_TRUE(lists.holds(u, bodies.place(7.99), 0.125));
   EXPECT_FALSE(lists.holds(u, bodies.place(8), 0));
   EXPECT_FALSE(lists.holds(u, bodies.place(6.99), 0));
-  EXPECT_EQ(lists.remaining_travel(u), 0.125);
+  EXPECT_EQ(lists.remaining_travel(u, bodies.place(7.25)), 0.125);
   Amplitudes there = u;
   there[0] = u[0] + 0.0625;
-  EXPECT_NEAR(lists.remaining_travel(there), 0.0625, 4 * eps);
+  EXPECT_NEAR(lists.remaining_travel(there, bodies.place(7.25)), 0.0625, 4 * eps);
   EXPECT_TRUE(lists.holds(there, bodies.place(7.25), 0.0624));
   EXPECT_FALSE(lists.holds(there, bodies.place(7.25), 0.0626));
 }

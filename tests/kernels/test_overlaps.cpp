@@ -289,11 +289,12 @@ TEST(OverlapsProof, CandidateGroupsHoldForTheLongestRise) {
     for (int p = 0; p < K; ++p) now.u[p] = now.v[p] = now.square[p] = Real(0.0);
     const MotionBounds bounds{
         .travel = travel, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
-    const double rise = overlaps.longest_rise(now.u, bounds, 1);
+    const Rise rise = overlaps.longest_rise(now.u, bounds, 1);
     overlaps.find_groups(Place(t.motion, 0), now, bounds, rise, 0);
     overlaps.evaluate_start(Place(t.motion, 0), now);
     overlaps.evaluate_end(Place(t.motion, 1), now.u, now.v);
-    EXPECT_EQ(overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds, 2 * rise),
+    EXPECT_EQ(overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds,
+                            {2 * rise.any, 2 * rise.rest}),
               open < 1.5 * travel ? 1 : 0)
         << open;
   }

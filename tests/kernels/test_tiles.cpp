@@ -19,22 +19,24 @@ namespace {
 /// The lists of a scene, and where the slider stands.
 struct Searched : Filled {
   SceneState s;
-  std::vector<int> groups, coarse_groups, near, tiles;
-  std::vector<double> reference, coarse_reference, coarse_highest, displacement, amplitudes;
+  std::vector<int> groups, coarse_groups, tiles;
+  std::vector<double> reference, coarse_reference, coarse_highest, coarse_displacement,
+      displacement, amplitudes;
 
   explicit Searched(const Model& model) : Filled(model) {
-    for (std::vector<int>* list : {&groups, &coarse_groups, &near}) list->assign(n.groups, 0);
+    for (std::vector<int>* list : {&groups, &coarse_groups}) list->assign(n.groups, 0);
     tiles.assign(n.padded_tiles(), 0);
     for (std::vector<double>* row : {&reference, &coarse_reference}) row->assign(n.lanes, 0.0);
-    coarse_highest.assign(n.groups, 0.0);
+    for (std::vector<double>* row : {&coarse_highest, &coarse_displacement})
+      row->assign(n.groups + n.width, 0.0);
     displacement.assign(n.padded_tiles() + n.width, 0.0);
     amplitudes.assign(2 * n.lanes, 0.0);
     CandidateLists& lists = s.work.candidates;
     lists.groups = groups.data(), lists.coarse_groups = coarse_groups.data();
-    lists.near = near.data();
     lists.tiles = tiles.data(), lists.tile_displacement = displacement.data();
     lists.reference_u = reference.data(), lists.coarse_reference_u = coarse_reference.data();
     lists.coarse_highest = coarse_highest.data();
+    lists.coarse_displacement = coarse_displacement.data();
     s.work.amplitudes = amplitudes.data();
   }
   /// Of all nodes, by their number along a row and the row; displacements lane by lane.

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/adaptive/modal_state.hpp"
+#include "kernels/footprint.hpp"
+#include "kernels/function.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/state.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// Bounds on what an overlap may rise by within a step [m].
+struct Rise {
+  double any;  // of any node, by the modes; by its way over the faces, too, if that is not followed
+  double rest;  // of this what is not followed for each group
+};
+
+/// Areal scenes, adaptive scheme: bounds on the overlaps of the candidate groups from one
+/// evaluation to the next, and the groups that have to be evaluated for a step.
+///
+/// Where there is a footprint (kernels/footprint.hpp) most of what changes an overlap is followed
+/// for each group: its way over the faces, which are straight lines over a spacing, and the motion
+/// of the slider, which is stiff. What the resonator does is small, and one bound for all groups:
+///
+///   o <= highest + steepest theta + sum_k own_shape_k U_k + risen.
+///
+/// Between smooth faces, and without a footprint, nothing is followed: steepest and own_shape are
+/// 0, and a step's rise is all that there can be.
+template <class Lanes, int packs>
+class GroupBounds {
+  using Real = typename Lanes::Real;
+  using Modes = ModalState<Lanes, packs>;
+  static constexpr int width = Lanes::width;
+  static constexpr int row = packs * width;
+
+ public:
+  RA2D_FUNCTION GroupBounds(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
+                            const SliderShapes& slider, const MotionLimits& limits,
+                            CandidateLists& lists, GroupBuffers& buffers)
+      : lanes_{lanes},
+        motion_{motion},
+        faces_{faces},
+        slider_{slider},
+        footprint_{lanes, limits},
+        lists_{lists},
+        buffers_{buffers} {}
+
+  KOKKOS_FORCEINLINE_FUNCTION const Footprint<Lanes, packs>& footprint() const {
+    return footprint_;
+  }
+  /// Whether the faces and the slider are followed.
+  KOKKOS_FORCEINLINE_FUNCTION bool follows() const { return footprint_.exists() && !faces_.smooth; }
+
+  /// Bounds on what the modes raise an overlap by within a step of `time` [s] between two states.
+  ///
+  /// At a place of the resonator the cubic through the displacement and its rate at both ends is
+  /// off by `error` at the most, and lies between its Bernstein coefficients. Less that at the
+  /// beginning these are 0, h V_0/3, U_1 - U_0 - h V_1/3 and U_1 - U_0. `travel` is another bound.
+  RA2D_FUNCTION Rise rise(const Place& place, const Modes& now, const Modes& end, double time,
+                          double error, double travel) {
+    const Real third(time / 3.0);
+    Real first[packs], second[packs], last[packs];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      first[p] = third * now.v[p];
+      last[p] = end.u[p] - now.u[p];
+      second[p] = multiply_add(third, Real(-1.0) * end.v[p], last[p]);
+    }
+    const double rest =
+        Kokkos::min(travel, footprint_.most_of(place, follows(), first, second, last) + error);
+    if (!follows()) return {rest, rest};
+    Real own[3] = {Real(0.0), Real(0.0), Real(0.0)};
+    lanes_.sync();
+    for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p) {
+      const Real largest = footprint_.remainder(p);
+      own[0] = multiply_add(largest, Kokkos::abs(first[p]), own[0]);
+      own[1] = multiply_add(largest, Kokkos::abs(second[p]), own[1]);
+      own[2] = multiply_add(largest, Kokkos::abs(last[p]), own[2]);
+      double* const to = buffers_.own_motion + p * width;
+      lanes_.store(to, now.u[p]);
+      lanes_.store(to + row, now.u[p] + first[p]);
+      lanes_.store(to + 2 * row, now.u[p] + second[p]);
+      lanes_.store(to + 3 * row, end.u[p]);
+    }
+    lanes_.sync();
+    double of_first, of_second;
+    lanes_.sum(own[0], own[1], of_first, of_second);
+    const double all = Kokkos::max(Kokkos::max(of_first, of_second), lanes_.sum(own[2]));
+    return {all + rest, rest};
+  }
+
+  /// The most that the followed motion raises the overlaps of a group by within a step of
+  /// `distance` [chi], at each of its nodes.
+  RA2D_FUNCTION Real followed_rise(const Place& place, int group, double distance) const {
+    const StaticOverlap<Lanes> faces(lanes_, faces_, place, group, nodes_beyond(faces_, group));
+    double most = 0.0;
+    for (int i = 1; i < 4; ++i) {
+      double moved = 0.0;
+      for (int k = 0; k < slider_.modes; ++k)
+        moved += own_shape(group, k) * (own_motion(i, k) - own_motion(0, k));
+      most = Kokkos::max(most, moved);
+    }
+    return Kokkos::max(Real(distance) * faces.rise, Real(0.0)) + Real(most);
+  }
+
+  /// For new candidate groups, so many, with CandidateLists::highest at the displacements u.
+  RA2D_FUNCTION void begin(const Place& place, int count) {
+    risen_ = 0.0;
+    lanes_.sync();
+    for (int e = 0; e < count; ++e) {
+      const int group = lists_.groups[e];
+      double steepest = 0.0, own = 0.0;
+      if (follows()) {
+        steepest = lanes_.max(
+            StaticOverlap<Lanes>(lanes_, faces_, place, group, nodes_beyond(faces_, group)).rise);
+        for (int k = 0; k < slider_.modes; ++k)
+          own += own_shape(group, k) * lists_.reference_u[slider_.first_lane + k];
+      }
+      if (!lanes_.leader()) continue;
+      buffers_.evaluated[e] = -1;
+      buffers_.steepest[e] = steepest;
+      lists_.highest[e] -= steepest * place.theta + own;
+      for (int k = 0; k < slider_.modes; ++k)
+        buffers_.own_shape[k * stride() + e] = follows() ? own_shape(group, k) : 0.0;
+    }
+    lanes_.sync();
+  }
+  /// Forgets all bounds.
+  RA2D_FUNCTION void forget(int count) {
+    risen_ = 0.0;
+    lanes_.sync();
+    if (lanes_.leader())
+      for (int e = 0; e < count; ++e) {
+        buffers_.evaluated[e] = -1;
+        lists_.highest[e] = 1e300;
+      }
+    lanes_.sync();
+  }
+
+  /// Selects, of so many groups, those whose overlaps may come to `least` within a step of `rise`
+  /// and `distance` [chi].
+  RA2D_FUNCTION void select(const Place& place, int groups, double distance, double rise,
+                            double least) {
+    const Real begin(place.theta), end(place.theta + distance);
+    int count = 0;
+    for (int e = 0; e < groups; e += width) {
+      Real own[4] = {Real(0.0), Real(0.0), Real(0.0), Real(0.0)};
+      if (follows())
+        for (int k = 0; k < slider_.modes; ++k) {
+          const Real shape = lanes_.load(buffers_.own_shape + k * stride() + e);
+          for (int i = 0; i < 4; ++i) own[i] = multiply_add(own_motion(i, k), shape, own[i]);
+        }
+      const Real steepest = lanes_.load(buffers_.steepest + e);
+      const Real most = lanes_.load(lists_.highest + e) +
+                        Kokkos::max(steepest * begin, steepest * end) +
+                        Kokkos::max(Kokkos::max(own[0], own[1]), Kokkos::max(own[2], own[3]));
+      std::uint32_t bits = lanes_.at_least(most, least - risen_);
+      if (groups - e < width) bits &= (1u << (groups - e)) - 1u;
+      for (; bits != 0; bits &= bits - 1, ++count)
+        if (lanes_.leader())
+          buffers_.selected[count] = e + Kokkos::Experimental::countr_zero_builtin(bits);
+    }
+    selected_ = count;
+    rise_ = rise;
+    lanes_.sync();
+  }
+  KOKKOS_FORCEINLINE_FUNCTION int selected() const { return selected_; }
+  /// Number of the i-th of them among the candidate groups.
+  KOKKOS_FORCEINLINE_FUNCTION int operator[](int i) const { return buffers_.selected[i]; }
+
+  /// Whether a group's overlaps at the beginning of the step are known.
+  KOKKOS_FORCEINLINE_FUNCTION bool knows(int e) const { return buffers_.evaluated[e] == steps_; }
+  /// Those of the selected ones are known now.
+  RA2D_FUNCTION void know_selected() {
+    lanes_.sync();
+    if (lanes_.leader())
+      for (int i = 0; i < selected_; ++i) buffers_.evaluated[buffers_.selected[i]] = steps_;
+    lanes_.sync();
+  }
+
+  /// On to the next step.
+  KOKKOS_FORCEINLINE_FUNCTION void end_step() {
+    ++steps_;
+    risen_ += rise_ * (1.0 + 0x1p-40);
+  }
+  /// After end_step(), at the place where the step has ended, and the displacements u: the overlaps
+  /// of the selected groups there, of group e from `overlaps` + 2 e packs on.
+  RA2D_FUNCTION void take(const Place& end, const Real* u, const double* overlaps) {
+    lanes_.sync();
+    if (follows())
+      for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p)
+        lanes_.store(buffers_.own_motion + 3 * row + p * width, u[p]);
+    lanes_.sync();
+    for (int i = 0; i < selected_; ++i) {
+      const int e = buffers_.selected[i];
+      const double highest = lanes_.max(lanes_.load(overlaps + 2 * e * width));
+      if (!lanes_.leader()) continue;
+      double own = 0.0;
+      if (follows())
+        for (int k = 0; k < slider_.modes; ++k)
+          own += buffers_.own_shape[k * stride() + e] * own_motion(3, k);
+      lists_.highest[e] = highest - risen_ - (buffers_.steepest[e] * end.theta + own);
+      buffers_.evaluated[e] = steps_;
+    }
+    lanes_.sync();
+  }
+
+ private:
+  Lanes lanes_;
+  const SliderMotion& motion_;
+  const FaceTables& faces_;
+  const SliderShapes& slider_;
+  Footprint<Lanes, packs> footprint_;
+  CandidateLists& lists_;
+  GroupBuffers& buffers_;
+  int selected_ = 0;
+  double risen_ = 0.0, rise_ = 0.0;  // m; rise_: of the step
+  std::int64_t steps_ = 0;
+
+  KOKKOS_FORCEINLINE_FUNCTION int stride() const { return faces_.groups + width; }
+  KOKKOS_FORCEINLINE_FUNCTION int first_own_pack() const { return slider_.first_lane / width; }
+  KOKKOS_FORCEINLINE_FUNCTION double own_motion(int i, int k) const {
+    return buffers_.own_motion[i * row + slider_.first_lane + k];
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double own_shape(int group, int k) const {
+    return shape_in_group<Lanes, packs>(faces_, slider_, group, k);
+  }
+};
+
+}  // namespace ra2d

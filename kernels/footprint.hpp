@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Kokkos_Core.hpp>
+#include <cstdint>
+
+#include "kernels/check.hpp"
+#include "kernels/function.hpp"
+#include "kernels/lanes.hpp"
+#include "kernels/place.hpp"
+#include "kernels/tables.hpp"
+
+namespace ra2d {
+
+/// sum over the modes of weight_k |x_k|
+template <class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION double weighted_sum(const Lanes& lanes, const double* weight,
+                                                const typename Lanes::Real* x) {
+  typename Lanes::Real part = lanes.load(weight) * Kokkos::abs(x[0]);
+  for (int p = 1; p < filled<packs>(lanes); ++p)
+    part = multiply_add(lanes.load(weight + p * Lanes::width), Kokkos::abs(x[p]), part);
+  return lanes.sum(part);
+}
+
+/// Areal scenes: psi of the slider's mode k in the middle of a group of nodes.
+template <class Lanes, int packs>
+RA2D_FUNCTION double shape_in_group(const FaceTables& faces, const SliderShapes& slider, int group,
+                                    int k) {
+  constexpr int width = Lanes::width;
+  const int row = group / faces.rows.groups, left = nodes_left(faces, group, width);
+  const int middle = (group - row * faces.rows.groups) * width + (left < width ? left : width) / 2;
+  return slider.shape[static_cast<std::int64_t>(k) * slider.row + middle] *
+         faces.rows
+             .across[static_cast<std::int64_t>(row) * (packs * width) + slider.first_lane + k];
+}
+
+/// Bounds on what the modes move any node of the slider by.
+///
+/// sum_k max|psi_k| |x_k| is one, but with many modes it is ten times too large: it takes each mode
+/// where it is largest, and with the sign that adds to the others. The slider of an areal scene
+/// stands on a part of the resonator, its footprint, that is hardly longer than the shortest wave
+/// of the modes. There their shapes are polynomials of a low degree, up to a small remainder,
+///
+///   psi_k(x, y) = sum_(a+b<=degree) Phi_kab T_a(xi) T_b(eta),   |xi|, |eta| <= 1,
+///
+/// T the polynomials of Chebyshev. Since |T| <= 1, at every node
+///
+///   |sum_k psi_k x_k| <= sum_ab |sum_k Phi_kab x_k| + sum_k remainder_k |x_k|.
+///
+/// The slider's own modes are left to the remainder, which is max|psi_k| there. A scene without
+/// such polynomials (FootprintTables::terms is 0) has the first bound alone.
+template <class Lanes, int packs>
+class Footprint {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+  static constexpr int row = packs * width;
+
+ public:
+  /// Scenes of fewer modes have none.
+  static constexpr bool can_exist = packs > 3;
+
+  RA2D_FUNCTION Footprint(const Lanes& lanes, const MotionLimits& limits)
+      : lanes_{lanes}, limits_{limits} {}
+
+  KOKKOS_FORCEINLINE_FUNCTION bool exists() const {
+    if constexpr (can_exist)
+      return limits_.footprint.terms > 0;
+    else
+      return false;
+  }
+
+  /// Bound on |sum_k psi_k x_k| at every node. `in_group`, where there is a footprint: of the
+  /// slider's modes only what they differ by from the middle of a group of nodes.
+  RA2D_FUNCTION double most(const Place& place, const Real* x, bool in_group = false) const {
+    if constexpr (can_exist)
+      if (exists()) {
+        const Real* const one[] = {x};
+        double bound[1];
+        sum_terms<1>(place, remainders(in_group), one, bound);
+        return bound[0];
+      }
+    return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
+  }
+  /// The largest of such bounds on three displacements. There must be a footprint.
+  RA2D_FUNCTION double most_of(const Place& place, bool in_group, const Real* x, const Real* y,
+                               const Real* z) const {
+    const Real* const all[] = {x, y, z};
+    double bound[3];
+    sum_terms<3>(place, remainders(in_group), all, bound);
+    return Kokkos::max(Kokkos::max(bound[0], bound[1]), bound[2]);
+  }
+
+  /// Of pack p of the modes, what the polynomials leave out of each.
+  KOKKOS_FORCEINLINE_FUNCTION Real remainder(int p) const {
+    return load_pack(lanes_, limits_.footprint.remainder, p);
+  }
+
+ private:
+  Lanes lanes_;
+  const MotionLimits& limits_;
+
+  KOKKOS_FORCEINLINE_FUNCTION const double* remainders(bool in_group) const {
+    return in_group ? limits_.footprint.remainder_in_group : limits_.footprint.remainder;
+  }
+
+  template <int count>
+  RA2D_FUNCTION void sum_terms(const Place& place, const double* remainder,
+                               const Real* const (&x)[count], double (&bound)[count]) const {
+    const FootprintTables& tables = limits_.footprint;
+    const int at = (place.base - tables.first) / tables.nodes;
+    RA2D_CHECK(place.base >= tables.first && at < tables.places);
+    const double* phi = tables.rows + static_cast<std::int64_t>(at) * tables.terms * row;
+    for (int i = 0; i < count; ++i) bound[i] = weighted_sum<Lanes, packs>(lanes_, remainder, x[i]);
+    // side by side: one sum by itself waits for each addition
+    for (int t = 0; t < tables.terms; t += footprint_side_by_side) {
+      Real part[count][footprint_side_by_side];
+      for (int i = 0; i < count; ++i)
+        for (int s = 0; s < footprint_side_by_side; ++s) part[i][s] = Real(0.0);
+      for (int p = 0; p < filled<packs>(lanes_); ++p)
+        for (int s = 0; s < footprint_side_by_side; ++s) {
+          const Real shape = load_pack(lanes_, phi + (t + s) * row, p);
+          for (int i = 0; i < count; ++i) part[i][s] = multiply_add(shape, x[i][p], part[i][s]);
+        }
+      for (int i = 0; i < count; ++i)
+        for (int s = 0; s < footprint_side_by_side; s += 2) {
+          double one, other;
+          lanes_.sum(part[i][s], part[i][s + 1], one, other);
+          bound[i] += Kokkos::abs(one) + Kokkos::abs(other);
+        }
+    }
+  }
+};
+
+}  // namespace ra2d

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kernels/footprint.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "tests/areal_scenes.hpp"
+#include "tests/dice.hpp"
+#include "tests/filled.hpp"
+
+/// Bounds on what the modes of an areal scene move the slider's nodes by.
+namespace ra2d::test {
+namespace {
+
+/// Packs for the modes of these scenes: a plate's 60 and a free block's.
+constexpr int many = (64 + width - 1) / width;
+
+/// Tables of a slider that passes some hundred nodes of a plate with 60 modes.
+struct Sliding : Filled {
+  explicit Sliding(double length, double block_width)
+      : Filled(areal_march(scene(length, block_width), 1e-6, 0.01).model, many * width) {}
+
+  static ArealScene scene(double length, double block_width) {
+    ArealScene s = small_areal_scene(Support::free, 60);
+    s.block.length = length, s.block.width = block_width;
+    const int nodes = static_cast<int>(std::lround(length / s.spacing)) + 1,
+              rows = static_cast<int>(std::lround(block_width / s.spacing_y));
+    s.plate_heights = rough_map(rows, 301, 2e-6, 1);
+    s.block_heights = rough_map(rows, nodes, 2e-6, 2);
+    return s;
+  }
+  Place place(double position) const {
+    SliderMotion motion = t.motion;
+    motion.position = position;
+    return {motion, 0};
+  }
+  /// Of every node, row by row; `x`: lane by lane.
+  std::vector<double> displacements(const std::vector<double>& x, double position) const {
+    std::vector<double> all;
+    for (int j = 0; j < model.rows; ++j)
+      for (int i = 0; i < n.row_nodes; ++i)
+        all.push_back(of_resonator(x, position, i, j) + of_slider(x, i, j));
+    return all;
+  }
+  double of_slider(const std::vector<double>& x, int i, int j) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < model.slider.modes.size(); ++k)
+      sum +=
+          x[modes() + k] * shape_at(model.slider.modes[k], i * model.scene.spacing, model.eta(j));
+    return sum;
+  }
+  double of_resonator(const std::vector<double>& x, double position, int i, int j) const {
+    double sum = 0;
+    for (int k = 0; k < modes(); ++k)
+      sum +=
+          x[k] * shape_at(mode(k), (position + i) * model.scene.spacing, model.side + model.eta(j));
+    return sum;
+  }
+};
+
+struct ManyPacks {
+  Real x[many];
+  explicit ManyPacks(const std::vector<double>& of) {
+    for (int p = 0; p < many; ++p) x[p] = lanes.load(of.data() + p * width);
+  }
+};
+
+double largest(const std::vector<double>& values) {
+  double most = 0;
+  for (const double v : values) most = std::max(most, std::abs(v));
+  return most;
+}
+
+TEST(Footprint, BoundsWhatAnyNodeIsMovedBy) {
+  Dice dice(5);
+  for (const double size : {2e-3, 5.8e-3}) {
+    const Sliding scene(size, size / 2);
+    ASSERT_GT(scene.n.footprint_terms, 0);
+    const Footprint<HostLanes, many> footprint(lanes, scene.t.bounds);
+    ASSERT_TRUE(footprint.exists());
+    const int all = scene.modes() + static_cast<int>(scene.model.slider.modes.size());
+    const double path = scene.model.advance * static_cast<double>(scene.model.steps);
+    double tightest = 0, by_sizes = 0;
+    for (int sample = 0; sample < 200; ++sample) {
+      // all modes, or one alone, which comes nearest to the remainder
+      std::vector<double> x(many * width, 0.0);
+      const int one = sample % 2 == 0 ? -1 : sample / 2 % all;
+      for (int k = 0; k < all; ++k)
+        if (one < 0 || k == one) x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
+      const double position = scene.model.position + dice.uniform(0, 1) * path;
+      const double moved = largest(scene.displacements(x, position)),
+                   bound = footprint.most(scene.place(position), ManyPacks(x).x);
+      EXPECT_LE(moved, bound);
+      if (one >= 0) continue;
+      tightest = std::max(tightest, moved / bound);
+      by_sizes =
+          std::max(by_sizes, moved / weighted_sum<HostLanes, many>(
+                                         lanes, scene.t.bounds.largest_shape, ManyPacks(x).x));
+    }
+    // of use: nearer to the truth than the sum of the modes' sizes
+    EXPECT_GT(tightest, 0.4);
+    EXPECT_GT(tightest, 1.3 * by_sizes);
+  }
+}
+
+/// With the slider's part in the middle of each group taken off.
+TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
+  Dice dice(6);
+  const Sliding scene(5.8e-3, 2.5e-3);
+  const Footprint<HostLanes, many> footprint(lanes, scene.t.bounds);
+  const int all = scene.modes() + static_cast<int>(scene.model.slider.modes.size());
+  for (int sample = 0; sample < 100; ++sample) {
+    std::vector<double> x(many * width, 0.0);
+    // most by the slider, then by the slider alone
+    for (int k = sample % 2 == 0 ? 0 : scene.modes(); k < all; ++k)
+      x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
+    const double position = scene.model.position + dice.uniform(0, 40);
+    const double bound = footprint.most(scene.place(position), ManyPacks(x).x, true);
+    double left = 0;
+    for (int j = 0; j < scene.model.rows; ++j)
+      for (int i = 0; i < scene.n.row_nodes; ++i) {
+        const int group = j * scene.n.row_groups + i / width;
+        double displacement = scene.of_resonator(x, position, i, j) + scene.of_slider(x, i, j);
+        for (int k = 0; k < scene.t.slider.modes; ++k)
+          displacement -= shape_in_group<HostLanes, many>(scene.t.faces, scene.t.slider, group, k) *
+                          x[scene.modes() + k];
+        left = std::max(left, std::abs(displacement));
+      }
+    EXPECT_LE(left, bound);
+    if (sample % 2 == 1) {
+      EXPECT_LT(bound, 0.5 * footprint.most(scene.place(position), ManyPacks(x).x));
+      EXPECT_GT(left, 0.05 * bound);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ra2d::test

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kernels/adaptive/group_bounds.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "tests/areal_scenes.hpp"
+#include "tests/dice.hpp"
+#include "tests/filled.hpp"
+
+/// The groups of nodes that areal scenes evaluate for a step of the adaptive scheme.
+namespace ra2d::test {
+namespace {
+
+/// Packs for the modes of a plate (40) and a free block.
+constexpr int many = (44 + width - 1) / width;
+using State = ModalState<HostLanes, many>;
+
+/// Lists of all groups of a scene.
+struct Listed : Filled {
+  SceneState s;
+  std::vector<int> groups, selected;
+  std::vector<std::int64_t> evaluated;
+  std::vector<double> reference, highest, steepest, own_shape, own_motion;
+
+  explicit Listed(const Model& model) : Filled(model, many * width) {
+    const std::size_t padded = n.groups + width;
+    for (std::vector<int>* list : {&groups, &selected}) list->assign(n.groups, 0);
+    evaluated.assign(n.groups, 0);
+    for (std::vector<double>* row : {&highest, &steepest}) row->assign(padded, 0.0);
+    own_shape.assign(n.slider_modes * padded, 0.0);
+    own_motion.assign(4 * n.lanes, 0.0);
+    reference.assign(n.lanes, 0.0);
+    for (int e = 0; e < n.groups; ++e) groups[e] = e;
+    s.work.candidates.groups = groups.data();
+    s.work.candidates.highest = highest.data();
+    s.work.candidates.reference_u = reference.data();
+    s.work.groups = {selected.data(), evaluated.data(), steepest.data(), own_shape.data(),
+                     own_motion.data()};
+  }
+  /// Of all nodes, group by group; nodes that do not exist lie low.
+  std::vector<double> overlaps_at(const std::vector<double>& u, double position) {
+    model.position = position;
+    const auto first = u.begin();
+    const auto modes2 = static_cast<std::ptrdiff_t>(model.resonator.modes.size()),
+               modes1 = static_cast<std::ptrdiff_t>(model.slider.modes.size());
+    const std::vector<double> at =
+        overlaps(model, {first, first + modes2}, {first + modes2, first + modes2 + modes1});
+    std::vector<double> grouped(n.padded_nodes(), -1.0);
+    for (int j = 0; j < n.rows; ++j)
+      for (int i = 0; i < n.row_nodes; ++i)
+        grouped[j * n.padded_row() + i] = at[j * n.row_nodes + i];
+    return grouped;
+  }
+};
+
+State state_of(const std::vector<double>& u, const std::vector<double>& v) {
+  State state;
+  for (int p = 0; p < many; ++p) {
+    state.u[p] = lanes.load(u.data() + p * width);
+    state.v[p] = lanes.load(v.data() + p * width);
+  }
+  return state;
+}
+
+/// In every step every group is selected in which a node reaches a level, along a motion that is a
+/// cubic in time. Groups that are not selected keep the bounds of earlier steps.
+TEST(GroupBounds, SelectEveryGroupThatComesNear) {
+  Dice dice(11);
+  int near = 0, chosen = 0, all = 0;
+  for (int scene = 0; scene < 8; ++scene) {
+    ArealScene of = many_nodes();
+    of.plate.modes = 40;
+    Listed listed(areal_march(of, 1e-6, 1e-3).model);
+    ASSERT_GT(listed.n.footprint_terms, 0);
+    GroupBounds<HostLanes, many> bounds(lanes, listed.t.motion, listed.t.faces, listed.t.slider,
+                                        listed.t.bounds, listed.s.work.candidates,
+                                        listed.s.work.groups);
+    ASSERT_TRUE(bounds.follows());
+    const std::size_t modes = listed.model.resonator.modes.size() + 3;
+    const auto random = [&](double slider, double resonator) {
+      std::vector<double> x(listed.n.lanes, 0.0);
+      for (std::size_t k = 0; k < modes; ++k)
+        x[k] = (k + 3 < modes ? resonator : slider) * dice.uniform(-1, 1) /
+               listed.t.bounds.largest_shape[k];
+      return x;
+    };
+    std::vector<double> u = random(1e-7, 1e-9), v = random(1e-7, 1e-9);
+    double position = std::floor(listed.model.position) + 1.01;
+    SliderMotion motion = listed.t.motion;
+    const auto place_at = [&](double at) {
+      motion.position = at;
+      return Place(motion, 0);
+    };
+    std::vector<double> over = listed.overlaps_at(u, position);
+    const auto highest_of = [&](int e) {
+      return *std::max_element(over.begin() + e * width, over.begin() + (e + 1) * width);
+    };
+    std::vector<double> ranked = over;
+    std::nth_element(ranked.begin(), ranked.begin() + 20, ranked.end(), std::greater<>());
+    const double level = ranked[20];
+    for (int e = 0; e < listed.n.groups; ++e) listed.highest[e] = highest_of(e);
+    listed.reference = u;
+    listed.s.work.candidates.reference_u = listed.reference.data();
+    bounds.begin(place_at(position), listed.n.groups);
+    for (int step = 0; step < 20; ++step) {
+      const double distance = dice.uniform(0, 0.045);
+      const std::vector<double> move = random(1e-7, 2e-9), fast = random(2e-7, 2e-9);
+      std::vector<double> end = u;
+      for (std::size_t k = 0; k < modes; ++k) end[k] += move[k];
+      const State before = state_of(u, v), after = state_of(end, fast);
+      const Place place = place_at(position);
+      const Rise rise = bounds.rise(place, before, after, 1.0, 0.0, 1e300);
+      const double rest =
+          rise.rest +
+          distance * listed.model.scene.spacing *
+              weighted_sum<HostLanes, many>(lanes, listed.t.bounds.largest_slope, before.u) +
+          1e-15;
+      bounds.select(place, listed.n.groups, distance, rest, level - rest);
+      std::set<int> selected;
+      for (int i = 0; i < bounds.selected(); ++i) selected.insert(bounds[i]);
+      chosen += bounds.selected(), all += listed.n.groups;
+      for (const double t : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
+        std::vector<double> at = u;
+        for (std::size_t k = 0; k < modes; ++k)
+          at[k] += t * v[k] + t * t * (3 * move[k] - 2 * v[k] - fast[k]) +
+                   t * t * t * (v[k] + fast[k] - 2 * move[k]);
+        over = listed.overlaps_at(at, position + t * distance);
+        for (int e = 0; e < listed.n.groups; ++e) {
+          if (highest_of(e) < level) continue;
+          ++near;
+          EXPECT_EQ(selected.count(e), 1u) << "group " << e << ", step " << step << ", " << t;
+        }
+      }
+      u = end, v = fast, position += distance;
+      bounds.end_step();
+      if (step % 3 == 2) continue;  // as where a contact begins: nothing is taken
+      std::vector<double> rows(2 * listed.n.groups * width, -1.0);
+      for (int e = 0; e < listed.n.groups; ++e)
+        std::copy_n(over.begin() + e * width, width, rows.begin() + 2 * e * width);
+      bounds.take(place_at(position), after.u, rows.data());
+    }
+  }
+  EXPECT_GT(near, 1000);
+  EXPECT_LT(chosen, all / 3);
+}
+
+}  // namespace
+}  // namespace ra2d::test
