@@ -109,8 +109,9 @@ KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
 /// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
 /// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
 /// move its middle by and differ by across it, bound the overlaps of all its nodes. It takes long,
-/// so it is to hold for long. Of its groups those are left out first that the faces alone, and what
-/// the slider has moved since, keep from contact: before any sum over the modes.
+/// so it is to hold for long. Of its groups those are left out before any sum over the modes that
+/// the faces as they stand, the tile's displacement when the list was made, and bounds on what has
+/// moved since keep from contact.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -134,10 +135,11 @@ class CandidateGroups {
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
   KOKKOS_FORCEINLINE_FUNCTION int operator[](int e) const { return lists_.groups[e]; }
-  /// How far the modes have travelled since the list was made [m], and how far they may.
+  /// How far the modes have travelled since the list was made [m]; 1e300 in another spacing.
   RA2D_FUNCTION double travelled(const Real* u, const Place& place) const {
     return place.base == base_ ? moved(lists_.reference_u, u, place) : 1e300;
   }
+  /// How far they may [m].
   KOKKOS_FORCEINLINE_FUNCTION double range() const { return range_; }
   /// Whether the list holds for all states within `travel` [m] of one that has travelled so far.
   KOKKOS_FORCEINLINE_FUNCTION bool holds(const Place& place, double travelled,
@@ -238,8 +240,8 @@ class CandidateGroups {
   }
 
   /// The groups of the coarse list that come within `below` of contact on the rest of this spacing.
-  /// The list bounds their overlaps then, up to `coarse_below`; areal scenes: together with what
-  /// the slider has moved the group by, up to `in_group_below`.
+  /// `coarse_below`: that, and all that the modes can have added since the coarse list was made;
+  /// `in_group_below`: the same without the slider's motion of a group's middle.
   template <bool smooth>
   KOKKOS_FORCEINLINE_FUNCTION void find_fine(const Real* u, const Place& place, double below,
                                              double coarse_below, double in_group_below,

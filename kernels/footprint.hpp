@@ -80,12 +80,12 @@ class Footprint {
       }
     return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
   }
-  /// The largest of such bounds on three displacements. There must be a footprint.
-  RA2D_FUNCTION double most_of(const Place& place, bool in_group, const Real* x, const Real* y,
-                               const Real* z) const {
+  /// The largest of such bounds, in groups, on three displacements. There must be a footprint.
+  RA2D_FUNCTION double most_in_group(const Place& place, const Real* x, const Real* y,
+                                     const Real* z) const {
     const Real* const all[] = {x, y, z};
     double bound[3];
-    sum_terms<3>(place, remainders(in_group), all, bound);
+    sum_terms<3>(place, remainders(true), all, bound);
     return Kokkos::max(Kokkos::max(bound[0], bound[1]), bound[2]);
   }
 

@@ -217,7 +217,9 @@ struct CandidateLists {
   double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
   bool kept = false;                      // whether lists of nodes are (keeps_lists)
   int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
-  double* highest = nullptr;  // m, Form::adaptive in areal scenes: overlap of each group
+  // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed
+  // (kernels/adaptive/group_bounds.hpp)
+  double* highest = nullptr;
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -349,7 +351,8 @@ struct GroupBuffers {
   std::int64_t* evaluated = nullptr;  // at which step's beginning the overlaps are known
   double* steepest = nullptr;         // m per chi, that the face rises by at the most
   double* own_shape = nullptr;        // (slider mode, group): psi in the middle of the group
-  double* own_motion = nullptr;       // (4, lane): Bernstein coefficients of the slider's modes
+  double* own_motion =
+      nullptr;  // (4, lane): Bernstein coefficients of the slider's modes; last: at the end
 };
 
 struct WorkSpace {

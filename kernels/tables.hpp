@@ -336,7 +336,7 @@ struct SchemeWeights {
 };
 
 /// The modes' shapes on the part of the resonator that an areal scene's slider stands on, as
-/// polynomials (kernels/footprint.hpp). A place has those of so many nodes of the slider's path.
+/// polynomials (kernels/footprint.hpp). One set of them, a place, serves some nodes of the path.
 struct FootprintTables {
   int terms = 0;                 // whole blocks of footprint_side_by_side; 0: there are none
   int first = 0;                 // Place::base where the path begins

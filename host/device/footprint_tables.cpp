@@ -107,7 +107,7 @@ std::vector<double> remainders(const Model& model, const FootprintShape& shape) 
   return out;
 }
 
-/// As many as will do, whatever the degree.
+/// The places along the path; the degree is still open.
 FootprintShape on_path(const Model& model) {
   FootprintShape shape;
   shape.nodes = std::max(1, model.row_nodes() / 4);
@@ -128,7 +128,7 @@ int FootprintShape::terms() const {
 
 FootprintShape choose_footprint(const Model& model, int width) {
   const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  if (!model.is_areal || modes <= 3 * width) return {};
+  if (!model.is_areal || model.has_smooth_faces() || modes <= 3 * width) return {};
   FootprintShape shape = on_path(model);
   if (shape.places > longest_path) return {};
   double all = 0;

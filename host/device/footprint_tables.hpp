@@ -15,7 +15,8 @@ struct FootprintShape {
 };
 
 /// Those of a scene whose modes stand in packs of `width`: of the lowest degree that leaves little
-/// of the shapes out. None in plane scenes, with few modes, or where no degree will do.
+/// of the shapes out. None in plane scenes, with few modes or smooth faces (whose
+/// bounds go by the sum of the modes' sizes), or where no degree will do.
 FootprintShape choose_footprint(const Model& model, int width);
 
 /// Their tables, after the bounds of the modes.

@@ -27,8 +27,8 @@ double last_node(const Scene& scene) {
 }
 
 double areal_memory(const Scene& scene) {
-  // of a node of the slider: lists of groups, its place among the expanded nodes
-  constexpr double lists = 12;  // bytes
+  // of a node of the slider: lists of groups, with four lanes; its place among the expanded nodes
+  constexpr double lists = 24;  // bytes
   const double rows = map_rows(scene.slider.width, scene.spacing_y.value_or(scene.spacing));
   const double along = nodes_along(scene), beyond = last_node(scene) + 1;
   const double behind = std::floor(scene.start / scene.spacing);

@@ -443,7 +443,9 @@ class AdaptiveMarch {
         state_.carried.control.flight_level = level;
     }
     lanes_.sync();
-    if (onset)
+    if (onset && free)
+      overlaps_.forget_start();  // the flight ends where its series does
+    else if (onset)
       overlaps_.discard_start();
     else
       keep_overlaps(place);

@@ -15,8 +15,8 @@ namespace ra2d {
 
 /// Bounds on what an overlap may rise by within a step [m].
 struct Rise {
-  double any;  // of any node, by the modes; by its way over the faces, too, if that is not followed
-  double rest;  // of this what is not followed for each group
+  double any;   // of any node: by all modes and, where they are not followed, by the faces
+  double rest;  // the part of it that is not followed for each group
 };
 
 /// Areal scenes, adaptive scheme: bounds on the overlaps of the candidate groups from one
@@ -28,8 +28,8 @@ struct Rise {
 ///
 ///   o <= highest + steepest theta + sum_k own_shape_k U_k + risen.
 ///
-/// Between smooth faces, and without a footprint, nothing is followed: steepest and own_shape are
-/// 0, and a step's rise is all that there can be.
+/// Without a footprint nothing is followed: steepest and own_shape are 0, and a step's rise is all
+/// that there can be.
 template <class Lanes, int packs>
 class GroupBounds {
   using Real = typename Lanes::Real;
@@ -38,11 +38,10 @@ class GroupBounds {
   static constexpr int row = packs * width;
 
  public:
-  RA2D_FUNCTION GroupBounds(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
-                            const SliderShapes& slider, const MotionLimits& limits,
-                            CandidateLists& lists, GroupBuffers& buffers)
+  RA2D_FUNCTION GroupBounds(const Lanes& lanes, const FaceTables& faces, const SliderShapes& slider,
+                            const MotionLimits& limits, CandidateLists& lists,
+                            GroupBuffers& buffers)
       : lanes_{lanes},
-        motion_{motion},
         faces_{faces},
         slider_{slider},
         footprint_{lanes, limits},
@@ -53,13 +52,16 @@ class GroupBounds {
     return footprint_;
   }
   /// Whether the faces and the slider are followed.
-  KOKKOS_FORCEINLINE_FUNCTION bool follows() const { return footprint_.exists() && !faces_.smooth; }
+  KOKKOS_FORCEINLINE_FUNCTION bool follows() const { return footprint_.exists(); }
 
   /// Bounds on what the modes raise an overlap by within a step of `time` [s] between two states.
+  /// There must be a footprint.
   ///
   /// At a place of the resonator the cubic through the displacement and its rate at both ends is
   /// off by `error` at the most, and lies between its Bernstein coefficients. Less that at the
-  /// beginning these are 0, h V_0/3, U_1 - U_0 - h V_1/3 and U_1 - U_0. `travel` is another bound.
+  /// beginning these are 0, h V_0/3, U_1 - U_0 - h V_1/3 and U_1 - U_0. `travel` is another bound,
+  /// on all that the modes do; less what the slider does in the middle of a group it is at most
+  /// twice that.
   RA2D_FUNCTION Rise rise(const Place& place, const Modes& now, const Modes& end, double time,
                           double error, double travel) {
     const Real third(time / 3.0);
@@ -70,8 +72,7 @@ class GroupBounds {
       second[p] = multiply_add(third, Real(-1.0) * end.v[p], last[p]);
     }
     const double rest =
-        Kokkos::min(travel, footprint_.most_of(place, follows(), first, second, last) + error);
-    if (!follows()) return {rest, rest};
+        Kokkos::min(2.0 * travel, footprint_.most_in_group(place, first, second, last) + error);
     Real own[3] = {Real(0.0), Real(0.0), Real(0.0)};
     lanes_.sync();
     for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p) {
@@ -210,7 +211,6 @@ class GroupBounds {
 
  private:
   Lanes lanes_;
-  const SliderMotion& motion_;
   const FaceTables& faces_;
   const SliderShapes& slider_;
   Footprint<Lanes, packs> footprint_;

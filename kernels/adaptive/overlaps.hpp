@@ -67,7 +67,7 @@ class Overlaps {
         search_{search},
         evaluated_{evaluated},
         candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
-        group_bounds_{lanes, motion, faces, slider, bounds, lists, groups},
+        group_bounds_{lanes, faces, slider, bounds, lists, groups},
         start_{search.overlaps},
         end_{search.overlaps + 2 * faces.groups * width},
         is_selective_{faces.rows.across != nullptr && bounds.searched != Nodes::all} {}
@@ -93,9 +93,10 @@ class Overlaps {
                                   const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
                                   std::int64_t ticks) {
     const double time = static_cast<double>(ticks) * motion_.time_step;
-    return with_path(
-        now.u, bounds, ticks,
-        group_bounds_.rise(place, now, end, time, cubic_error(bounds, time), bounds.travel));
+    Rise rise = group_bounds_.rise(place, now, end, time, cubic_error(bounds, time), bounds.travel);
+    // candidate groups hold to the end of a spacing, a step may end a little beyond
+    rise.any += 2.0 * (position_rounding(place) + motion_.advance) * faces_.steepest_rise;
+    return with_path(now.u, bounds, ticks, rise);
   }
   KOKKOS_FORCEINLINE_FUNCTION bool knows_footprint() const {
     return group_bounds_.footprint().exists();
@@ -121,7 +122,8 @@ class Overlaps {
                             const Rise& rise, std::int64_t ticks) {
     if (!is_selective_) [[likely]]
       return;
-    double least = highest_start(bounds, rise);
+    // the roundings of what is followed are far less than an overlap's error
+    double least = highest_start(bounds, rise) - overlap_error(bounds);
     if (faces_.smooth) [[unlikely]]
       least -= faces_.largest_cell_sag + modes_sag(u, bounds.travel);
     group_bounds_.select(place, candidates_.count(), static_cast<double>(ticks) * motion_.advance,

@@ -663,12 +663,15 @@ def try_resume(program, case, dice):
         return folder, status, [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
     went_on = 0
     found = []
+    longer = 1.0  # on a busy machine a run may be cut off before its first checkpoint
     for attempt in range(31):
+        if attempt > 2 and went_on == 0:
+            longer *= 1.2
         process = start(program, [*words, "-o", "out.h5", "--checkpoint", "1e-5", *FORCE], folder)
         cut = attempt < 30
         allowed = (0, 137, 143) if cut else (0,)
         if cut:
-            time.sleep(SLOWER * dice.uniform(0.02, 0.08))
+            time.sleep(longer * SLOWER * dice.uniform(0.02, 0.08))
             if dice.random() < 0.2:  # ends what the system has not loaded yet
                 process.send_signal(signal.SIGUSR1)
                 allowed += (128 + signal.SIGUSR1,)
@@ -717,12 +720,14 @@ def try_study(program, case, dice):
     words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", "1e-4"]
     status = end(start(program, [*words, "-o", "whole"], folder), STUDY_PATIENCE)
     found = [] if status == 0 else [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
-    went_on, attempt = 0, 0
+    went_on, attempt, longer = 0, 0, 1.0
     while not found:
         process = start(program, [*words, "-o", "out"], folder)
         attempt += 1
+        if attempt > 2 and went_on == 0:
+            longer *= 1.5
         if attempt <= 8:
-            time.sleep(SLOWER * dice.uniform(0.03, 0.2))
+            time.sleep(longer * SLOWER * dice.uniform(0.03, 0.2))
             process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
         status = end(process, STUDY_PATIENCE)
         CUTS[status] += status != 0

@@ -80,9 +80,8 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
     of.plate.modes = 40;
     Listed listed(areal_march(of, 1e-6, 1e-3).model);
     ASSERT_GT(listed.n.footprint_terms, 0);
-    GroupBounds<HostLanes, many> bounds(lanes, listed.t.motion, listed.t.faces, listed.t.slider,
-                                        listed.t.bounds, listed.s.work.candidates,
-                                        listed.s.work.groups);
+    GroupBounds<HostLanes, many> bounds(lanes, listed.t.faces, listed.t.slider, listed.t.bounds,
+                                        listed.s.work.candidates, listed.s.work.groups);
     ASSERT_TRUE(bounds.follows());
     const std::size_t modes = listed.model.resonator.modes.size() + 3;
     const auto random = [&](double slider, double resonator) {
