@@ -19,15 +19,16 @@
 //   40 x 40 mm                   2.5
 //
 // and with midpoint at 1e-6 s, 20 x 20 mm: 1.5 at 32 um, 7.6 at 8 um. Since then squares of nodes
-// share their sums over the modes: on four lanes that takes half as long at 8 um, or less.
+// share their sums over the modes: on four lanes that takes half as long at 8 um, or less. Since
+// then, too, the modes' motion has tighter bounds (kernels/footprint.hpp): a quarter less at 8 um.
 //
 // Other machines take up to twice as long.
 //
 // areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //
-// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former a fifth goes into overlaps
-// of candidate groups, a sixth into the series of the modes; of the latter a quarter into the
-// series, where nodes in contact stand in clusters, and a third into candidate groups.
+// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former half goes into the series
+// of the modes; of the latter a third, where nodes in contact stand in clusters, and a fifth into
+// the coarse pass of candidate groups.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -35,7 +35,7 @@ RA2D_FUNCTION double shape_in_group(const FaceTables& faces, const SliderShapes&
 
 /// Bounds on what the modes move any node of the slider by.
 ///
-/// sum_k max|psi_k| |x_k| is one, but with many modes it is ten times too large: it takes each mode
+/// sum_k max|psi_k| |x_k| is one, but with many modes it is far too large: it takes each mode
 /// where it is largest, and with the sign that adds to the others. The slider of an areal scene
 /// stands on a part of the resonator, its footprint, that is hardly longer than the shortest wave
 /// of the modes. There their shapes are polynomials of a low degree, up to a small remainder,

@@ -351,8 +351,8 @@ struct GroupBuffers {
   std::int64_t* evaluated = nullptr;  // at which step's beginning the overlaps are known
   double* steepest = nullptr;         // m per chi, that the face rises by at the most
   double* own_shape = nullptr;        // (slider mode, group): psi in the middle of the group
-  double* own_motion =
-      nullptr;  // (4, lane): Bernstein coefficients of the slider's modes; last: at the end
+  // (4, lane): Bernstein coefficients of the slider's modes over a step; the last: at its end
+  double* own_motion = nullptr;
 };
 
 struct WorkSpace {

@@ -153,8 +153,8 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
   double* const rows = host(tables.rows);
   std::fill_n(rows, static_cast<std::size_t>(n.footprint_places) * n.footprint_terms * n.lanes,
               0.0);
-  double *const remainder = host(tables.remainder), *const in_group =
-                                                        host(tables.remainder_in_group);
+  double* const remainder = host(tables.remainder);
+  double* const in_group = host(tables.remainder_in_group);
   std::fill_n(remainder, n.lanes, 0.0);
   std::ranges::copy(remainders(model, shape), remainder);
   std::copy_n(remainder, n.lanes, in_group);
