@@ -30,6 +30,8 @@ install(RUNTIME_DEPENDENCY_SET bundled_libraries
 install(DIRECTORY scenes DESTINATION share/ra2d ${carried})
 ra2d_install_python(${carried})
 install(DIRECTORY tests/host DESTINATION share/ra2d/tests ${carried} FILES_MATCHING PATTERN "*.py")
+install(FILES docs/scene.md DESTINATION share/ra2d/docs ${carried})  # what tests read
+install(FILES bench/accuracy.csv bench/accuracy-long.csv DESTINATION share/ra2d/bench ${carried})
 install(PROGRAMS tests/bundle/check.sh DESTINATION . ${carried})
 install(FILES LICENSE tests/bundle/README.txt DESTINATION . ${carried})
 

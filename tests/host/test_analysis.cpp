@@ -595,6 +595,7 @@ TEST_F(Analyze, BandsAboveTheLastModeAreMarked) {
   EXPECT_THAT(table,
               AllOf(HasSubstr("_dB,above_last_mode\n"), testing::ContainsRegex("\n2000,[^\n]*,0\n"),
                     testing::ContainsRegex("\n2500,[^\n]*,1\n")));
+  if (test::python().empty()) return;  // which draws what a page shows
   EXPECT_EQ(ra2d({"report", "a.h5", "-o", "a.html"}).status, 0);
   EXPECT_THAT(test::read_file(folder_.path() / "a.html"),
               HasSubstr("above the last mode that was kept"));

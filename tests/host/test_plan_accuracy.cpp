@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "host/base/errors.hpp"
+#include "host/device/backend.hpp"
 #include "host/ensemble/ensemble.hpp"
 #include "host/run/samples.hpp"
 #include "host/run/v_rms.hpp"
@@ -422,6 +423,7 @@ TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
 }
 
 TEST(Savings, ProcessorTimeIsThatOfTheThreads) {
+  if (!backend_device().empty()) GTEST_SKIP() << "marches on " << backend_device();
   // the process cannot have used more than it says of the whole
   const Scene s = rubbing();
   const Model model = make_model(s);
