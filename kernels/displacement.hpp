@@ -3,6 +3,7 @@
 #include <Kokkos_Core.hpp>
 
 #include "kernels/check.hpp"
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/tables.hpp"
 
@@ -35,7 +36,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real cubic_slope(const double* q, const Real& eta) {
 template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const double* rows,
                                                      const typename Lanes::Real* amplitude,
-                                                     double* q) {
+                                                     double (&q)[4]) {
   using Real = typename Lanes::Real;
   const auto part = [&](int j) {
     Real sum = lanes.load(rows + j * packs * Lanes::width) * amplitude[0];
@@ -43,8 +44,8 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
       sum = multiply_add(lanes.load(rows + (j * packs + p) * Lanes::width), amplitude[p], sum);
     return sum;
   };
-  lanes.sum(part(0), part(1), q[0], q[1]);
-  lanes.sum(part(2), part(3), q[2], q[3]);
+  const Real parts[] = {part(0), part(1), part(2), part(3)};
+  four_sums_in_pairs(lanes, parts, q);
   for (int j = 2; j < 4; ++j) q[j] *= inverse_factorial(j);
 }
 
@@ -96,6 +97,7 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
     full_series<Lanes, packs>(lanes, patches, rows, p, c);
     double unit = 1.0;
     for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
+      RA2D_KEEP_LOOP
       for (int j = patches.terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
       shape[m][p] = Real(unit) * c[m];
       unit *= patches.inverse_radius;

@@ -14,3 +14,11 @@
 #else
 #define RA2D_FUNCTION KOKKOS_FUNCTION
 #endif
+
+/// Before a loop that the compiler of a GPU is to leave as one: unrolled it is more code, and
+/// fetching code is what `adaptive` waits for there (docs/gpu.md).
+#if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__) || defined(__SYCL_DEVICE_ONLY__)
+#define RA2D_KEEP_LOOP _Pragma("unroll 1")
+#else
+#define RA2D_KEEP_LOOP
+#endif

@@ -141,9 +141,8 @@ class GroupSweep {
     add_up(part, q_);
     if constexpr (rates) add_up(rate, rate_q_);
   }
-  KOKKOS_FORCEINLINE_FUNCTION void add_up(const Real* part, double* q) const {
-    lanes_.sum(part[0], part[1], q[0], q[1]);
-    lanes_.sum(part[2], part[3], q[2], q[3]);
+  KOKKOS_FORCEINLINE_FUNCTION void add_up(const Real (&part)[4], double (&q)[4]) const {
+    four_sums_in_pairs(lanes_, part, q);
     for (int j = 2; j < 4; ++j) q[j] *= inverse_factorial(j);
   }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/check.hpp"
+#include "kernels/function.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
@@ -98,6 +99,7 @@ KOKKOS_INLINE_FUNCTION void join_shocks(ShockTracking& shocks, RunBuffer& runs, 
                                         std::int64_t last, double position, const Moment& moment) {
   // the runs of neighbouring nodes at this step
   int made = 0;
+  RA2D_KEEP_LOOP
   for (int e = 0; e < count; ++e) {
     const int node = list.nodes[e];
     if (made == 0 || runs.next[made - 1].last != node - 1) {

@@ -175,7 +175,7 @@ class AdaptiveMarch {
 
   /// Parts of a step that the scenes of a block begin together, whatever kinds of step they make.
   /// One that a step does without is passed with the next.
-  enum Phase { search = 1, evaluate_end, onsets, record, next_step };
+  enum Phase { search = 1, evaluate, onsets, record, next_step };
   KOKKOS_FORCEINLINE_FUNCTION void enter(Phase phase) {
     for (; met_ < phase; ++met_) lanes_.meet_scenes();
   }
@@ -220,24 +220,24 @@ class AdaptiveMarch {
 
   static constexpr int longest_level = 60;
 
-  /// The length that is tried for a flight.
-  struct FlightPlan {
-    std::int64_t ticks;
-    bool whole;  // it is the length planned: neither a node's passing nor the end cuts it
-    bool clear;  // the bodies are so far apart that no node could come into contact
-  };
-  RA2D_FUNCTION FlightPlan plan_flight(std::int64_t available) const {
+  /// Chooses the ticks of a flight, no more than `available` unless it is `clear`: the bodies are
+  /// so far apart that nodes may pass each other without any contact. Returns whether the length is
+  /// the one planned, which neither a node's passing nor the end cuts.
+  RA2D_FUNCTION bool plan_flight(std::int64_t available, std::int64_t& ticks, bool& clear,
+                                 MotionBounds& bounds) const {
     const std::int64_t length = std::int64_t{1} << state_.carried.control.flight_level;
     const std::int64_t whole = length - (tick_ & (length - 1));  // to a multiple of it
-    if (whole <= available) return {whole, true, false};
-    // nodes may pass each other where the bodies are too far apart for any contact
     const std::int64_t left = end() - tick_;
-    const std::int64_t longest = whole < left ? whole : left;
-    const MotionBounds bounds = flight_.bounds(now_.u, now_.v, longest * tables_.motion.time_step);
-    if (tables_.faces.highest_overlap + bounds.size + tables_.faces.rounding + bounds.rounding() <
-        0.0)
-      return {longest, longest == whole, true};
-    return {available, false, false};
+    ticks = whole < left ? whole : left;
+    RA2D_KEEP_LOOP
+    for (bool passes = whole > available;; passes = false) {
+      bounds = flight_.bounds(now_.u, now_.v, ticks * tables_.motion.time_step);
+      clear = passes && tables_.faces.highest_overlap + bounds.size + tables_.faces.rounding +
+                                bounds.rounding() <
+                            0.0;
+      if (clear || !passes) return ticks == whole;
+      ticks = available;
+    }
   }
 
   /// Records a flight of so many ticks and goes to its end. False when its samples do not fit.
@@ -249,18 +249,12 @@ class AdaptiveMarch {
     return true;
   }
 
-  /// For a flight for which the cubics cannot rule out contact: the series of the motion, and with
-  /// it a length `ticks`, no longer than it and the nodes' shapes in it hold, and the level of the
-  /// next flight. False where there is none.
-  RA2D_FUNCTION bool expand_flight(const Place& place, const MotionBounds& bounds,
-                                   std::int64_t& ticks, int& level) {
+  /// Cuts a flight for which the cubics cannot rule out contact to the `usable` ticks of its
+  /// series, and to those for which the nodes' shapes in it hold; chooses the level of the next
+  /// flight.
+  RA2D_FUNCTION bool shorten_flight(const Place& place, const MotionBounds& bounds, double usable,
+                                    std::int64_t& ticks, int& level) {
     const std::int64_t aimed = ticks;
-    const double scale =
-        Kokkos::min(ticks * tables_.motion.time_step, tables_.adaptive.longest_scale);
-    series_.expand(now_.u, now_.v, place, scale);
-    const double length = series_.usable_length(tables_.adaptive.tolerance);
-    if (!(length > 0.0)) return fail(Status::not_finite);
-    const double usable = length * (scale / tables_.motion.time_step);  // ticks
     if (usable < static_cast<double>(ticks)) ticks = static_cast<std::int64_t>(usable);
     if (ticks < 1) return fail(Status::stalled);
     // a length at which the cubics may decide by themselves
@@ -273,13 +267,6 @@ class AdaptiveMarch {
     if (window < ticks) ticks = window;
     return true;
   }
-
-  KOKKOS_FORCEINLINE_FUNCTION Modes flown(std::int64_t ticks) const {
-    Modes there;
-    there.take(lanes_, now_);
-    flight_(there.u, there.v, there.square, ticks);
-    return there;
-  }
   /// The l with 2^l <= ticks < 2^(l + 1).
   KOKKOS_FORCEINLINE_FUNCTION static int whole_level(std::int64_t ticks) {
     return Kokkos::Experimental::bit_width_builtin(static_cast<std::uint64_t>(ticks)) - 1;
@@ -290,11 +277,7 @@ class AdaptiveMarch {
   /// Records a step of so many ticks and goes to its end. False when its samples do not fit.
   KOKKOS_FORCEINLINE_FUNCTION bool keep_drive(const Place& place, Modes& there, std::int64_t ticks,
                                               double end) {
-    if (!recorder_.drive_samples(series_, tick_, now_, ticks)) return false;
-    recorder_.add_drive(series_, place, tick_, ticks, end);
-    series_.squares(end, there.square);
-    for (int p = 0; p < filled<packs>(lanes_); ++p)
-      there.square[p] = now_.square[p] + there.square[p];
+    if (!recorder_.add_drive(series_, place, tick_, now_, ticks, end, there)) return false;
     now_.take(lanes_, there);
     if (state_.carried.contacts.count > 0 && lanes_.leader())
       state_.carried.control.shape_terms = series_.wanted_terms();
@@ -302,125 +285,132 @@ class AdaptiveMarch {
     return true;
   }
 
-  /// Expands the motion, in units that suit it. `usable_time` becomes the time for which its series
-  /// may be used [s]; `available` is cut to the ticks for which those of the moving forces hold.
-  RA2D_FUNCTION bool expand(const Place& place, std::int64_t& available, double& usable_time) {
+  /// Expands the motion: of a flight in units of its `ticks`, else in units that suit it. `usable`
+  /// becomes the length for which the series may be used, in these units; `available` is cut to the
+  /// ticks for which those of the moving forces hold.
+  RA2D_FUNCTION bool expand(const Place& place, bool free, std::int64_t ticks,
+                            std::int64_t& available, double& usable) {
     while (true) {
-      const double scale = state_.carried.control.series_scale;
+      const double scale =
+          free ? Kokkos::min(ticks * tables_.motion.time_step, tables_.adaptive.longest_scale)
+               : state_.carried.control.series_scale;
       if (tables_.forces.count > 0) {
         const std::int64_t valid = moving_forces_.expand(tick_, scale);
         if (valid < available) available = valid;
       }
       if (!series_.expand(now_.u, now_.v, place, scale)) [[unlikely]]
         return fail(Status::crowded);
-      const double length = series_.usable_length(tables_.adaptive.tolerance);
-      if (!(length > 0.0)) return fail(Status::not_finite);
-      usable_time = length * scale;
+      usable = series_.usable_length(tables_.adaptive.tolerance);
+      if (!(usable > 0.0)) return fail(Status::not_finite);
+      if (free) return true;
+      const double usable_time = usable * scale;
       if (!(usable_time >= tables_.motion.time_step)) return fail(Status::stalled);
       // the last step was a poor guess for this one: once more in better units
       lanes_.sync();
-      if (length < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
+      if (usable < 0.25 && lanes_.leader()) state_.carried.control.series_scale = usable_time;
       lanes_.sync();
-      if (!(length < 0.25)) return true;
+      if (!(usable < 0.25)) return true;
     }
   }
 
   // ---- fly or drive
 
-  /// One step of either kind. Contacts that begin within it are looked for in the same way, and by
-  /// the same code: what a GPU has to fetch is what it waits for (docs/gpu.md).
+  /// One step of either kind. A GPU waits for the code that it has to fetch (docs/gpu.md): so what
+  /// both kinds need, or one needs twice, is written once, in a loop. Most steps go through it
+  /// once. A flight does so again with its series, where the cubics cannot rule out contact; a step
+  /// at whose end contact is to begin goes through it again to get there.
   KOKKOS_FORCEINLINE_FUNCTION bool fly_or_drive(const Place& place, std::int64_t available,
                                                 bool free) {
     MotionBounds bounds;
-    std::int64_t ticks;
+    std::int64_t ticks = 0;           // of the step
+    int level = 0;                    // of the next flight
     double usable_time = 0.0;         // s: of the series
     double end = 0.0, release = 0.0;  // x of the series: of the step, and where a contact ends
     double tolerance = 0.0;           // of an overlap in it
-    int level = 0;                    // of the next flight
+    bool clear = false;               // no node can come into contact
     if (free) {
-      const FlightPlan plan = plan_flight(available);
       level = state_.carried.control.flight_level;
-      if (plan.whole && level < longest_level) ++level;
-      ticks = plan.ticks;
-      if (plan.clear) {
-        if (!record_flight(ticks, flown(ticks))) return false;
-        if (lanes_.leader()) state_.carried.control.flight_level = level;
-        lanes_.sync();
-        overlaps_.forget_start();
-        return true;
-      }
-      bounds = flight_.bounds(now_.u, now_.v, ticks * tables_.motion.time_step);
-    } else {
-      if (!expand(place, available, usable_time)) return false;
-      const double longest = usable_time / tables_.motion.time_step;
-      ticks =
-          longest < static_cast<double>(available) ? static_cast<std::int64_t>(longest) : available;
-      end = series_.x_at(ticks);
-      // contacts that end
-      tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
-      release = contacts_.first_end(series_, end, tolerance);
-      if (release <= end) {
-        ticks = series_.ticks_to(release, ticks);
-        end = series_.x_at(ticks);
-      }
-      bounds = series_.bounds(end);
+      if (plan_flight(available, ticks, clear, bounds) && level < longest_level) ++level;
     }
 
-    // contacts that begin
-    enter(search);
-    Modes there;
-    const auto arrive = [&] {
-      if (free)
-        there.take(lanes_, flown(ticks));
-      else
-        series_.state(end, there.u, there.v);
-    };
-    bool arrived = false;
-    Rise rise;
-    if (overlaps_.knows_footprint()) [[unlikely]] {
-      arrive();
-      arrived = true;
-      rise = overlaps_.longest_rise(place, now_, there, bounds, ticks);
-    } else {
-      rise = overlaps_.longest_rise(now_.u, bounds, ticks);
-    }
-    overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
-    overlaps_.select(place, now_.u, bounds, rise, ticks);
-    overlaps_.evaluate_start(place, now_);
-    if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
-    int flagged = 0;
-    bool in_series = !free;  // whether the motion is known as one
+    Modes there;                               // at the end of the step
+    Rise rise;                                 // of an overlap in it
+    int flagged = 0;                           // nodes whose contact may begin in it
+    bool expands = !free;                      // the series is found next
+    bool in_series = false, searched = clear;  // it has been found; groups have been searched
+    bool onset = false;                        // a contact begins at the end of the step
     while (true) {
-      if (!arrived) arrive();
-      arrived = false;
-      enter(evaluate_end);
-      flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
-      if (!overlaps_.has_room(flagged)) [[unlikely]]
-        return fail(Status::crowded);
-      if (flagged == 0 || in_series) break;
-      const std::int64_t aimed = ticks;
-      if (!expand_flight(place, bounds, ticks, level)) return false;
-      in_series = true;
-      if (ticks == aimed) break;  // over a shorter flight the cubics are more accurate
-    }
-    enter(onsets);
-    bool onset = false;
-    if (flagged > 0) {
-      if (free) {
-        end = series_.x_at(ticks);
-        tolerance = overlaps_.overlap_rounding(now_.u);
+      bool goes = true;  // to another end than before
+      if (expands) {
+        expands = false;
+        in_series = true;
+        double usable;
+        if (!expand(place, free, ticks, available, usable)) return false;
+        tolerance = overlaps_.overlap_rounding(now_.u) + series_.neglected();
+        if (free) {
+          const std::int64_t aimed = ticks;
+          if (!shorten_flight(place, bounds, usable * (series_.scale() / tables_.motion.time_step),
+                              ticks, level))
+            return false;
+          end = series_.x_at(ticks);
+          goes = ticks != aimed;  // over a shorter flight the cubics are more accurate
+        } else {
+          usable_time = usable * series_.scale();
+          const double longest = usable_time / tables_.motion.time_step;
+          ticks = longest < static_cast<double>(available) ? static_cast<std::int64_t>(longest)
+                                                           : available;
+          end = series_.x_at(ticks);
+          // contacts that end
+          release = contacts_.first_end(series_, end, tolerance);
+          if (release <= end) {
+            ticks = series_.ticks_to(release, ticks);
+            end = series_.x_at(ticks);
+          }
+          bounds = series_.bounds(end);
+        }
       }
+
+      enter(search);
+      if (goes) {
+        if (free) {
+          there.take(lanes_, now_);
+          flight_(there.u, there.v, there.square, ticks);
+        }
+        // a flight to an onset: to the bit where the search found the overlap
+        if (!free || onset) series_.state(end, there.u, there.v);
+      }
+      if (clear || onset) break;
+
+      // contacts that begin
+      if (!searched) {
+        searched = true;
+        rise = overlaps_.knows_footprint()
+                   ? overlaps_.longest_rise(place, now_, there, bounds, ticks)
+                   : overlaps_.longest_rise(now_.u, bounds, ticks);
+        overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
+        overlaps_.select(place, now_.u, bounds, rise, ticks);
+        if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
+      }
+      if (goes) {
+        enter(evaluate);
+        flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
+        if (!overlaps_.has_room(flagged)) [[unlikely]]
+          return fail(Status::crowded);
+        if (flagged == 0) break;
+        if (!in_series) {
+          expands = true;
+          continue;
+        }
+      }
+      enter(onsets);
       const double first = overlaps_.search(series_, place, flagged, end, tolerance);
       if (first < 0.0) [[unlikely]]
         return fail(Status::crowded);
       onset = first <= end;
-      if (onset) {
-        ticks = series_.ticks_to(first, ticks);
-        end = series_.x_at(ticks);
-        if (!contacts_.can_take(flagged, end)) return fail(Status::crowded);
-        if (free) there.take(lanes_, flown(ticks));
-        series_.state(end, there.u, there.v);  // to the bit where the search found the overlap
-      }
+      if (!onset) break;
+      ticks = series_.ticks_to(first, ticks);
+      end = series_.x_at(ticks);
+      if (!contacts_.can_take(flagged, end)) return fail(Status::crowded);
     }
 
     enter(record);
@@ -443,7 +433,7 @@ class AdaptiveMarch {
         state_.carried.control.flight_level = level;
     }
     lanes_.sync();
-    if (onset && free)
+    if (free && (onset || clear))
       overlaps_.forget_start();  // the flight ends where its series does
     else if (onset)
       overlaps_.discard_start();
@@ -495,12 +485,12 @@ class AdaptiveMarch {
     lanes_.sync();
   }
 
-  /// Finds the overlaps at the end of a step of so many ticks, and flags the nodes that could come
-  /// into contact within it. Those at its beginning have been found.
+  /// Finds the overlaps at both ends of a step of so many ticks, and flags the nodes that could
+  /// come into contact within it.
   RA2D_FUNCTION int evaluate_and_flag(const Place& place, const Modes& end, std::int64_t ticks,
                                       const MotionBounds& bounds, const Rise& rise) {
     const Place end_place = path_.moved(place, tick_ + ticks);
-    overlaps_.evaluate_end(end_place, end.u, end.v);
+    overlaps_.evaluate(place, now_.u, now_.v, end_place, end.u, end.v);
     const int flagged =
         overlaps_.flag(place, now_.u, ticks * tables_.motion.time_step, bounds, rise);
     if (!tables_.faces.smooth || flagged == 0 || !overlaps_.has_room(flagged)) [[likely]]

@@ -84,29 +84,23 @@ class AdaptiveRecorder {
     return true;
   }
 
-  /// The samples of modes that follow their series, whose squares are expanded here.
-  RA2D_FUNCTION bool drive_samples(const Series& series, std::int64_t tick, const Modes& now,
-                                   std::int64_t ticks) const {
-    series.expand_squares();
-    return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
-      const double x = series.x_at(after);
-      series.state(x, there.u, there.v);
-      series.squares(x, there.square);
-      return contact_at(series, x);
-    });
-  }
-  /// The samples within a step between smooth faces.
+  /// The samples within a step between smooth faces. False when the buffer is full.
   RA2D_FUNCTION bool contact_samples(const SmoothStep<Lanes, packs>& step, std::int64_t tick,
                                      const Modes& now, std::int64_t ticks) const {
-    return samples(tick, now, ticks, [&](std::int64_t after, Modes& there) {
-      const double x = pace_x(step.pace(), static_cast<double>(after) / step.ticks());
+    while (is_within(tick, ticks)) {
+      if (!can_take_sample()) return false;
+      const double x =
+          pace_x(step.pace(), static_cast<double>(sample_tick() - tick) / step.ticks());
       const auto weights = step.weights(x);
+      Modes there;
       step.state(x, there.u, there.v);
       step.squares(weights, there.square);
       Contact contact = contact_of(step.contact_at(x));
       step.works(weights, contact.sliding_work, contact.force_work);
-      return contact;
-    });
+      add_squares(now, there);
+      write_sample(there, contact);
+    }
+    return true;
   }
 
   KOKKOS_FORCEINLINE_FUNCTION bool is_complete() const { return sampling_.next >= output_.samples; }
@@ -117,12 +111,10 @@ class AdaptiveRecorder {
   RA2D_FUNCTION void write_last_sample(const ContactTotals<Real>& totals, const Modes& now) const {
     write_sample(now, contact_of(totals));
   }
-  /// The sample that falls on the end of the scene. If any node is in contact, the series are those
-  /// from there on.
+  /// The sample that falls on the end of the scene, from where no work is done any more. If any
+  /// node is in contact, the series are those from there on.
   RA2D_FUNCTION void write_last_sample(const Series& series, const Modes& now) const {
-    Contact contact;
-    if (contacts_.count > 0) contact = contact_at(series, 0.0);
-    write_sample(now, contact);
+    write_sample(now, springs_at(series, 0.0));
   }
 
   /// Takes in a flight that begins at `tick`.
@@ -130,24 +122,38 @@ class AdaptiveRecorder {
     if (lanes_.leader() && shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
     lanes_.sync();
   }
-  /// Takes in the `ticks` after `tick`, up to `end` in units of the series, with the nodes in
-  /// contact and their hulls.
-  RA2D_FUNCTION void add_drive(const Series& series, const Place& place, std::int64_t tick,
-                               std::int64_t ticks, double end) const {
-    if (ticks == 0) return;
-    sum_nodes(series, end);
-    const double sliding = sliding_work(), moving = moving_forces_.work(series, end);
-    if (!lanes_.leader()) return;
-    sums_.sliding_work += sliding;
-    sums_.force_work += moving;
-    const int count = contacts_.count;
-    if (count == 0) {
-      if (shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
-      return;
+  /// Takes in the `ticks` after `tick`, up to `end` in units of the series, with their samples; the
+  /// nodes in contact are those of the hulls. `there` gets the squares at the end. False when the
+  /// buffer of the samples is full.
+  RA2D_FUNCTION bool add_drive(const Series& series, const Place& place, std::int64_t tick,
+                               const Modes& now, std::int64_t ticks, double end,
+                               Modes& there) const {
+    series.expand_squares();
+    while (true) {
+      const bool is_sample = is_within(tick, ticks);
+      if (is_sample && !can_take_sample()) return false;
+      const double x = is_sample ? series.x_at(sample_tick() - tick) : end;
+      Modes at;
+      series.squares(x, at.square);
+      add_squares(now, at);
+      sum_nodes(series, x);
+      const double sliding = sliding_work(), moving = moving_forces_.work(series, x);
+      if (is_sample) [[unlikely]] {
+        series.state(x, at.u, at.v);
+        Contact contact = springs_at(series, x);
+        contact.sliding_work = sliding;
+        contact.force_work = moving;
+        write_sample(at, contact);
+        continue;
+      }
+      for (int p = 0; p < filled<packs>(lanes_); ++p) there.square[p] = at.square[p];
+      if (ticks > 0 && lanes_.leader()) {
+        sums_.sliding_work += sliding;
+        sums_.force_work += moving;
+        add_contacts(series, place, tick, ticks, end);
+      }
+      return true;
     }
-    sums_.contact_steps += ticks;
-    if (count > sums_.most_nodes) sums_.most_nodes = count;
-    add_shocks(series, place, tick, ticks, end);
   }
 
   /// Takes in the works of a step between smooth faces [J], and its time in contact.
@@ -209,23 +215,18 @@ class AdaptiveRecorder {
     return contact;
   }
 
-  /// The samples within the `ticks` after `tick`; at(ticks after it, modes) finds each one's modes,
-  /// with the squares since `tick`, and returns its contact. False when the buffer is full.
-  template <class At>
-  KOKKOS_FORCEINLINE_FUNCTION bool samples(std::int64_t tick, const Modes& now, std::int64_t ticks,
-                                           const At& at) const {
-    while (!is_complete() && sample_tick() < tick + ticks) {
-      if (!can_take_sample()) return false;
-      Modes there;
-      const Contact contact = at(sample_tick() - tick, there);
-      for (int p = 0; p < filled<packs>(lanes_); ++p)
-        there.square[p] = now.square[p] + there.square[p];
-      write_sample(there, contact);
-    }
-    return true;
+  /// Whether the next sample is within the `ticks` after `tick`.
+  KOKKOS_FORCEINLINE_FUNCTION bool is_within(std::int64_t tick, std::int64_t ticks) const {
+    return !is_complete() && sample_tick() < tick + ticks;
+  }
+  /// Adds the squares before a step to those since it began.
+  KOKKOS_FORCEINLINE_FUNCTION void add_squares(const Modes& before, Modes& since) const {
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      since.square[p] = before.square[p] + since.square[p];
   }
 
-  RA2D_FUNCTION Contact contact_at(const Series& series, double x) const {
+  /// The contact at x, without the works.
+  RA2D_FUNCTION Contact springs_at(const Series& series, double x) const {
     Contact contact;
     for (int e = 0; e < contacts_.count; ++e) {
       const double over = polynomial(series.overlap(e), series.degree(), x);
@@ -233,9 +234,6 @@ class AdaptiveRecorder {
       contact.energy += 0.5 * contact_.node_stiffness * over * over;
     }
     contact.nodes = contacts_.count;
-    sum_nodes(series, x);
-    contact.sliding_work = sliding_work();
-    contact.force_work = moving_forces_.work(series, x);
     return contact;
   }
 
@@ -301,17 +299,26 @@ class AdaptiveRecorder {
   /// Work of the imposed motion, sum_n f_n V (dh_2/dx + du_2/dx) [J].
   RA2D_FUNCTION double sliding_work() const {
     double work = 0.0;
+    RA2D_KEEP_LOOP
     for (int e = 0; e < contacts_.count; ++e) work += spans_.sums[e].work;
     return contact_.node_stiffness * work;
   }
 
   // ---- shocks; on the leader alone
 
-  RA2D_FUNCTION void add_shocks(const Series& series, const Place& place, std::int64_t tick,
-                                std::int64_t ticks, double end) const {
+  /// Takes in the nodes in contact over a step.
+  RA2D_FUNCTION void add_contacts(const Series& series, const Place& place, std::int64_t tick,
+                                  std::int64_t ticks, double end) const {
     const int count = contacts_.count;
+    if (count == 0) {
+      if (shocks_.open_count > 0) end_shocks(shocks_, ended_, tick);
+      return;
+    }
+    sums_.contact_steps += ticks;
+    if (count > sums_.most_nodes) sums_.most_nodes = count;
     const double newton_ticks = contact_.node_stiffness * series.scale() / motion_.time_step;
     const double advance = motion_.advance * (series.scale() / motion_.time_step);  // chi per x
+    RA2D_KEEP_LOOP
     for (int e = 0; e < count; ++e) {
       contact_list_.nodes[e] = contacts_.nodes[e];
       contact_list_.forces[e] = newton_ticks * spans_.sums[e].overlap;

@@ -2,6 +2,7 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
@@ -18,6 +19,7 @@ KOKKOS_INLINE_FUNCTION double polynomial(const double* c, int n, double x) {
   const double y = x * x;
   int j = n & ~1;
   double even = c[j], odd = n > j ? c[n] : 0.0;
+  RA2D_KEEP_LOOP
   for (j -= 2; j >= 0; j -= 2) {
     odd = Kokkos::fma(odd, y, c[j + 1]);
     even = Kokkos::fma(even, y, c[j]);
@@ -40,35 +42,35 @@ KOKKOS_INLINE_FUNCTION ValueAndSlope polynomial_and_slope(const double* c, int n
 /// The largest value on [0, end], right to within roundings if the slope changes its sign no more
 /// than once in each third.
 KOKKOS_INLINE_FUNCTION double highest_value(const double* c, int n, double end) {
-  const ValueAndSlope last = polynomial_and_slope(c, n, end);
-  double highest = c[0] > last.value ? c[0] : last.value;
-  double slope = n > 0 ? c[1] : 0.0;
+  double highest = c[0], slope = n > 0 ? c[1] : 0.0;  // at the beginning of the third
+  RA2D_KEEP_LOOP
   for (int third = 0; third < 3; ++third) {
     double low = third * (end / 3.0), high = (third + 1) * (end / 3.0);
-    const ValueAndSlope edge = third == 2 ? last : polynomial_and_slope(c, n, high);
-    if (edge.value > highest) highest = edge.value;
-    const double next = edge.slope;
-    if (slope > 0.0 &&
-        next <= 0.0) {  // a top lies between: the false position, the other end's slope halved
-      double rising = slope, falling = next;
-      for (int i = 0; i < 60; ++i) {
-        double x = low + (high - low) * (rising / (rising - falling));
-        if (!(x > low && x < high)) break;
-        const ValueAndSlope p = polynomial_and_slope(c, n, x);
-        if (p.value > highest) highest = p.value;
-        // the value is off by no more than slope^2/(2 |curvature|)
-        if (p.slope * p.slope * (high - low) <= 1e-16 * Kokkos::abs(p.value) * (rising - falling))
-          break;
-        if (p.slope > 0.0) {
-          low = x;
-          rising = p.slope;
-          falling *= 0.5;
-        } else {
-          high = x;
-          falling = p.slope;
-          rising *= 0.5;
-        }
+    double x = third < 2 ? high : end, rising = 0.0, falling = 0.0, next = 0.0;
+    // at its end; if a top lies within, towards it: the false position, the other end's slope
+    // halved
+    for (int i = 0; i <= 60; ++i) {
+      const ValueAndSlope p = polynomial_and_slope(c, n, x);
+      if (p.value > highest) highest = p.value;
+      if (i == 0) {
+        next = p.slope;
+        if (!(slope > 0.0 && next <= 0.0)) break;
+        rising = slope;
+        falling = next;
+      } else if (p.slope * p.slope * (high - low) <=
+                 1e-16 * Kokkos::abs(p.value) * (rising - falling)) {
+        break;  // the value is off by no more than slope^2/(2 |curvature|)
+      } else if (p.slope > 0.0) {
+        low = x;
+        rising = p.slope;
+        falling *= 0.5;
+      } else {
+        high = x;
+        falling = p.slope;
+        rising *= 0.5;
       }
+      x = low + (high - low) * (rising / (rising - falling));
+      if (!(x > low && x < high)) break;
     }
     slope = next;
   }
@@ -139,7 +141,9 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adap
   }
   lanes.sync();
   const double per = n / x;
-  return {lanes.min(least), lanes.max(most), per * lanes.min(falling), per * lanes.max(rising),
+  double extremes[4];
+  four_minima(lanes, {least, -most, falling, -rising}, extremes);
+  return {extremes[0], -extremes[1], per * extremes[2], per * -extremes[3],
           per * ((n - 1.0) / x) * lanes.max(curvature)};
 }
 

@@ -65,8 +65,9 @@ class Flight {
       tail = multiply_add(load_pack(lanes_, bounds_.cubic_remainder, p), amplitude, tail);
       size = multiply_add(largest, amplitude, size);
     }
-    return {lanes_.sum(travel), lanes_.sum(fourth_derivative) + flight_.fourth_derivative_at_rest,
-            lanes_.sum(tail), lanes_.sum(size)};
+    double sums[4];
+    four_sums(lanes_, {travel, fourth_derivative, tail, size}, sums);
+    return {sums[0], sums[1] + flight_.fourth_derivative_at_rest, sums[2], sums[3]};
   }
 
  private:

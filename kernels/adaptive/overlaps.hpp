@@ -122,6 +122,7 @@ class Overlaps {
                             const Rise& rise, std::int64_t ticks) {
     if (!is_selective_) [[likely]]
       return;
+    start_is_valid_ = false;  // of the groups of the step before
     // the roundings of what is followed are far less than an overlap's error
     double least = highest_start(bounds, rise) - overlap_error(bounds);
     if (faces_.smooth) [[unlikely]]
@@ -129,14 +130,21 @@ class Overlaps {
     group_bounds_.select(place, candidates_.count(), static_cast<double>(ticks) * motion_.advance,
                          rise.rest, least);
   }
-  /// Finds overlaps and rates at the beginning of the step, unless they are known.
-  RA2D_FUNCTION void evaluate_start(const Place& place, const ModalState<Lanes, packs>& now) {
-    if ((!start_is_valid_ || is_selective_) && groups() > 0) evaluate(place, now.u, now.v, start_);
+  /// Finds overlaps and rates at both ends of the step; at its beginning, where the modes are at u0
+  /// and v0, unless they are known.
+  RA2D_FUNCTION void evaluate(const Place& start, const Real* u0, const Real* v0, const Place& end,
+                              const Real* u1, const Real* v1) {
+    if (groups() > 0)
+      for (int side = start_is_valid_ ? 1 : 0; side < 2; ++side) {
+        // copies: a choice between the two themselves would have them in a GPU's memory
+        Real u[packs], v[packs];
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
+          u[p] = side == 0 ? u0[p] : u1[p];
+          v[p] = side == 0 ? v0[p] : v1[p];
+        }
+        evaluate_at(side == 0 ? start : end, u, v, side == 0 ? start_ : end_);
+      }
     start_is_valid_ = true;
-  }
-  /// Finds overlaps and rates at the end of the step.
-  RA2D_FUNCTION void evaluate_end(const Place& place, const Real* u, const Real* v) {
-    if (groups() > 0) evaluate(place, u, v, end_);
   }
   /// Takes the overlaps at the end of a step for the beginning of the next, where the modes are at
   /// u. Where a node has passed another, or a contact has begun, they must be found anew:
@@ -498,7 +506,7 @@ class Overlaps {
   }
 
   /// Overlaps and their rates [m, m/s] of the candidate groups, by the cubics over their patches.
-  RA2D_FUNCTION void evaluate(const Place& place, const Real* u, const Real* v, double* to) {
+  RA2D_FUNCTION void evaluate_at(const Place& place, const Real* u, const Real* v, double* to) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     const double speed = motion_.advance / motion_.time_step;  // chi/s
     const int count = groups();

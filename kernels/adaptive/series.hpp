@@ -98,12 +98,8 @@ class ModalSeries {
     forget_clusters();
     if constexpr (has_clusters)
       if (contacts > 0 && expand_in_clusters(u, v, place)) return true;
-    if (contacts == 0) {
-      expand_terms<1>(u, v, place);
-      return true;
-    }
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
-    if (!node_contact_.expand(place, contacts_.nodes, contacts)) [[unlikely]]
+    if (contacts > 0 && !node_contact_.expand(place, contacts_.nodes, contacts)) [[unlikely]]
       return false;
     for (int e = 0; e < contacts; ++e)
       place_shape(contacts_.nodes[e], place.offset, advance, buffers_.shapes + e * (4 * row));
@@ -114,20 +110,22 @@ class ModalSeries {
       amplitude[p] = Kokkos::abs(u[p]);
       travel[p] = Real(scale) * Kokkos::abs(v[p]);
     }
-    // most steps need as many terms as the one before
-    int terms = enough_terms(amplitude, travel);
-    if (terms < shape_terms_) terms = shape_terms_;
+    int terms = 0;
     while (true) {
-      if (terms == 2)
-        expand_terms<2>(u, v, place);
+      if (contacts > 0) {
+        wanted_terms_ = enough_terms(amplitude, travel);
+        if (wanted_terms_ <= terms) break;
+        // most steps need as many as the one before
+        terms = wanted_terms_ < shape_terms_ ? shape_terms_ : wanted_terms_;
+      }
+      if (terms == 4)
+        expand_terms<4>(u, v, place);
       else if (terms == 3)
         expand_terms<3>(u, v, place);
       else
-        expand_terms<4>(u, v, place);
+        expand_terms<2>(u, v, place);
+      if (contacts == 0) return true;
       bound_motion(u, amplitude, travel);
-      wanted_terms_ = enough_terms(amplitude, travel);
-      if (wanted_terms_ <= terms) break;
-      terms = wanted_terms_;
     }
     if (terms == 4) neglected_ = 0.0;
     return true;
@@ -158,24 +156,26 @@ class ModalSeries {
       before = before + norm(order - 1);
       last = last + norm(order);
     }
-    double size = lanes_.sum(state);
+    double sums[4];
+    four_sums(lanes_, {state, acceleration, before, last}, sums);
+    double size = sums[0];
     for (int e = 0; e < contacts_.count; ++e)
       size += contact_.node_stiffness * overlap(e)[0] * overlap(e)[0];
-    const double start = lanes_.sum(acceleration);
-    if (start > size) size = start;
+    if (sums[1] > size) size = sums[1];
     // terms of the shapes were left out for steps of up to two
     const double longest = neglected_ > 0.0 ? 2.0 : longest_usable;
-    const auto usable_length_of = [&](double term, int j) {
+    if (!(size < 1e300)) return -1.0;  // not a number
+    double usable = longest;
+    RA2D_KEEP_LOOP
+    for (int j = order - 1; j <= order; ++j) {
       // squares throughout; a term of V goes with x^(j - 1)
-      if (!(term > 1e-300 * size)) return longest;
+      const double term = j < order ? sums[2] : sums[3];
+      if (!(term > 1e-300 * size)) continue;
       const double x =
           Kokkos::exp2(0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
-      return x < longest ? x : longest;
-    };
-    if (!(size < 1e300)) return -1.0;  // not a number
-    const double a = usable_length_of(lanes_.sum(before), order - 1),
-                 b = usable_length_of(lanes_.sum(last), order);
-    return a < b ? a : b;
+      if (x < usable) usable = x;
+    }
+    return usable;
   }
   /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
   static constexpr double longest_usable = 4.0;
@@ -185,6 +185,7 @@ class ModalSeries {
     const Real at(x), per(1.0 / scale_);
     for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = coefficient(order, p);
     for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = Real(static_cast<double>(order)) * v[p];
+    RA2D_KEEP_LOOP
     for (int j = order - 1; j >= 1; --j)
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         const Real c = coefficient(j, p);
@@ -253,8 +254,9 @@ class ModalSeries {
       size = multiply_add(largest, amplitude, size);
     }
     const double per2 = 1.0 / (scale_ * scale_);
-    return {lanes_.sum(travel), per2 * per2 * lanes_.sum(fourth_derivative), lanes_.sum(tail),
-            lanes_.sum(size)};
+    double sums[4];
+    four_sums(lanes_, {travel, fourth_derivative, tail, size}, sums);
+    return {sums[0], per2 * per2 * sums[1], sums[2], sums[3]};
   }
 
   /// The cluster that finds a node's overlap (kernels/adaptive/contact_clusters.hpp), or -1.
@@ -290,17 +292,19 @@ class ModalSeries {
       }
     double* shape = buffers_.one_shape;
     place_shape(node, place.offset, advance, shape);
-    const auto product = [&](int j) {
-      Real sum(0.0);
-      for (int i = 0; i <= 3 && i <= j; ++i)
-        for (int p = 0; p < filled<packs>(lanes_) && j - i <= adaptive_.order; ++p)
-          sum = multiply_add(load_pack(lanes_, shape + i * row, p), coefficient(j - i, p), sum);
-      return sum;
-    };
     const int n = degree();
-    for (int j = 0; j <= n; j += 2) {
+    for (int j = 0; j <= n; j += 2) {  // by two: each shape that is read serves both
+      Real product(0.0), following(0.0);
+      for (int i = 0; i <= 3 && i <= j + 1; ++i)
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
+          const Real phi = load_pack(lanes_, shape + i * row, p);
+          if (i <= j && j - i <= adaptive_.order)
+            product = multiply_add(phi, coefficient(j - i, p), product);
+          if (j < n && j + 1 - i <= adaptive_.order)
+            following = multiply_add(phi, coefficient(j + 1 - i, p), following);
+        }
       double even, odd;
-      lanes_.sum(product(j), j < n ? product(j + 1) : Real(0.0), even, odd);
+      lanes_.sum(product, following, even, odd);
       if (j == 0) {
         even += node_contact_.face(node, place.theta);
         odd += node_contact_.rise(node) * advance;
@@ -581,7 +585,7 @@ class ModalSeries {
           force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
       if constexpr (in_clusters) {
         clusters_.template expand<terms>(j, c0, j + 2 <= order, advance, force);
-      } else if constexpr (terms > 1) {
+      } else {
         int e = 0;
         if constexpr (side_by_side > 1)
           for (; e + side_by_side <= contacts; e += side_by_side)

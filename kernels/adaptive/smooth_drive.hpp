@@ -295,8 +295,8 @@ class SmoothDrive {
     const Rise rise = overlaps_.longest_rise(now.u, bounds, ticks);
     overlaps_.find_groups(place, now, bounds, rise, available - ticks);
     overlaps_.select(place, now.u, bounds, rise, ticks);
-    overlaps_.evaluate_start(place, now);
-    overlaps_.evaluate_end(path_.moved(place, tick + ticks), step_.end().u, step_.end().v);
+    overlaps_.evaluate(place, now.u, now.v, path_.moved(place, tick + ticks), step_.end().u,
+                       step_.end().v);
     const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
     if (!overlaps_.has_room(flagged)) return -1.0;
     flagged_ = leave_out_grown(flagged);

@@ -27,8 +27,7 @@ int flag(BodiesByHand& bodies, const MotionBounds& bounds, const Amplitudes& u0,
   const Packs u(u0), v(v0);
   ModalState<HostLanes, K> now;
   for (int p = 0; p < K; ++p) now.u[p] = u.u[p], now.v[p] = v.u[p], now.square[p] = Real(0.0);
-  overlaps.evaluate_start(Place(t.motion, 0), now);
-  overlaps.evaluate_end(Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
+  overlaps.evaluate(Place(t.motion, 0), now.u, now.v, Place(t.motion, 1), Packs(u1).u, Packs(v1).u);
   return overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds,
                        overlaps.longest_rise(now.u, bounds, 1));
 }
@@ -291,8 +290,7 @@ TEST(OverlapsProof, CandidateGroupsHoldForTheLongestRise) {
         .travel = travel, .fourth_derivative = always_unclear, .cubic_remainder = 0, .size = 0};
     const Rise rise = overlaps.longest_rise(now.u, bounds, 1);
     overlaps.find_groups(Place(t.motion, 0), now, bounds, rise, 0);
-    overlaps.evaluate_start(Place(t.motion, 0), now);
-    overlaps.evaluate_end(Place(t.motion, 1), now.u, now.v);
+    overlaps.evaluate(Place(t.motion, 0), now.u, now.v, Place(t.motion, 1), now.u, now.v);
     EXPECT_EQ(overlaps.flag(Place(t.motion, 0), now.u, t.motion.time_step, bounds,
                             {2 * rise.any, 2 * rise.rest}),
               open < 1.5 * travel ? 1 : 0)
