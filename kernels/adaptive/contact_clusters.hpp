@@ -113,6 +113,7 @@ class ContactClusters {
 
   /// Number of a cluster whose polynomials hold at a node; -1 if none does.
   KOKKOS_FORCEINLINE_FUNCTION int cluster_of(int node) const {
+    if (!exist()) return -1;
     const int j = node / slider_.row, i = node - j * slider_.row;
     for (int s = 0; s < count_; ++s)
       if (holds(s, i, j)) return s;

@@ -343,8 +343,10 @@ TEST(CandidateGroups, NoCellExceedsItsEndsByMoreThanItsSag) {
   }
   EXPECT_GT(closest, 0.7);
   EXPECT_GT(hollow, cells / 40);
-  std::sort(slack.begin(), slack.end());
-  EXPECT_LT(slack[slack.size() / 2], 0.1);
+  if constexpr (width > 1) {  // else no cell has both ends in a group
+    std::sort(slack.begin(), slack.end());
+    EXPECT_LT(slack[slack.size() / 2], 0.1);
+  }
 }
 
 TEST(CandidateGroups, LeaveOutNothingThatTheCubicsMiss) {

@@ -133,7 +133,9 @@ TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
     EXPECT_LE(left, bound);
     if (sample % 2 == 1) {
       EXPECT_LT(bound, 0.5 * footprint.most(scene.place(position), ManyPacks(x).x));
-      EXPECT_GT(left, 0.05 * bound);
+      if constexpr (width > 1) {  // groups of one node are followed whole
+        EXPECT_GT(left, 0.05 * bound);
+      }
     }
   }
 }
