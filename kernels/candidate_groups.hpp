@@ -176,10 +176,16 @@ class CandidateGroups {
       return (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place, in_group) + below + error;
     };
     double coarse_below = below_since(false);
+    // on maps a list that holds is made anew, too, once it has cost more in vain than that will
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
-          coarse_below <= coarse_below_)) {
+          coarse_below <= coarse_below_ && in_vain_ <= coarse_work_)) {
       coarse_base_ = place.base;
-      coarse_below_ = (faces_.rows.across == nullptr ? 4.0 : 6.0) * below;
+      // those that follow the slider leave out most of a long list before any sum over the modes
+      coarse_below_ = (faces_.rows.across == nullptr ? 4.0
+                       : footprint().exists()        ? 6.0
+                                                     : 3.0) *
+                      below;
+      coarse_work_ = in_vain_ = 0;
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
       if (faces_.rows.across == nullptr) [[likely]]
@@ -211,6 +217,11 @@ class CandidateGroups {
   // of the coarse pass
   int coarse_count_ = 0, coarse_base_ = -2 * width;
   double coarse_below_ = -1.0;
+  // areal scenes: groups and tiles that it looked at, and groups of its list that fine passes have
+  // looked at since and left out
+  std::int64_t coarse_work_ = 0, in_vain_ = 0;
+  /// Such a group with its sums over the modes costs about as much as so many without.
+  static constexpr int sums_cost = 4;
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
@@ -247,7 +258,7 @@ class CandidateGroups {
                                              double coarse_below, double in_group_below,
                                              double to_end, double back) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
-    int count = 0, evaluated = 0;
+    int count = 0, evaluated = 0, looked_at = 0;
     for (int first = 0; first < coarse_count_; first += width) {
       const int left = coarse_count_ - first;
       std::uint32_t close =
@@ -257,6 +268,7 @@ class CandidateGroups {
         const int e = first + Kokkos::Experimental::countr_zero_builtin(close);
         const int group = lists_.coarse_groups[e];
         if (lists_.coarse_displacement != nullptr) [[unlikely]] {
+          ++looked_at;
           const StaticOverlap<Lanes> faces(lanes_, faces_, place, group,
                                            nodes_beyond(faces_, group));
           const Real most =
@@ -278,6 +290,8 @@ class CandidateGroups {
       }
     }
     count_ = count;
+    if (lists_.coarse_displacement != nullptr) [[unlikely]]
+      in_vain_ += looked_at + sums_cost * (evaluated - count);
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(evaluated) * width;
     lanes_.sync();
   }
@@ -360,6 +374,7 @@ class CandidateGroups {
       }
       lanes_.sync();
       const int found = find_tiles(band, x, place, variation);
+      coarse_work_ += faces_.tiles.count + found * tile_rows * faces_.tiles.groups;
       if (found > 0) list_groups_of_tiles(band, found, place, count);
     }
     coarse_count_ = count;
