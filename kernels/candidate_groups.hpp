@@ -176,11 +176,12 @@ class CandidateGroups {
       return (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place, in_group) + below + error;
     };
     double coarse_below = below_since(false);
-    // on maps a list that holds is made anew, too, once it has cost more in vain than that will
+    // On maps a list that still holds is made anew once going through it in vain has cost more than
+    // making it.
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_ && in_vain_ <= coarse_work_)) {
       coarse_base_ = place.base;
-      // those that follow the slider leave out most of a long list before any sum over the modes
+      // with a footprint most of a long list is left out before any sum over the modes
       coarse_below_ = (faces_.rows.across == nullptr ? 4.0
                        : footprint().exists()        ? 6.0
                                                      : 3.0) *
@@ -217,11 +218,12 @@ class CandidateGroups {
   // of the coarse pass
   int coarse_count_ = 0, coarse_base_ = -2 * width;
   double coarse_below_ = -1.0;
-  // areal scenes: groups and tiles that it looked at, and groups of its list that fine passes have
-  // looked at since and left out
+  // areal scenes, as numbers of groups: what it took to make the list, and what it has since taken
+  // to look at those of its groups that were left out
   std::int64_t coarse_work_ = 0, in_vain_ = 0;
-  /// Such a group with its sums over the modes costs about as much as so many without.
-  static constexpr int sums_cost = 4;
+  /// A group whose overlaps are evaluated costs about as much as so many of which only the faces
+  /// are looked at.
+  static constexpr std::int64_t sums_cost = 4;
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;

@@ -265,8 +265,9 @@ class Candidates {
   int last_listed_ = -1;  // smooth faces: the latest cell
   int closed_ = 0;        // nodes in contact, where lists are kept
   // Areal scenes: steps that the next list is for. A list for more holds nodes so far from contact
-  // that the bound on their forces ends it sooner. The first of a launch is for few, or it might
-  // hold all nodes: the candidate groups of twice as many steps outlive it.
+  // that the bound on their forces ends it sooner. The first list of a launch is for few
+  // steps: of bodies that move, one for many would hold nearly all nodes, and so would the
+  // candidate groups, for long.
   int aimed_steps_ = 16;
 
   KOKKOS_FORCEINLINE_FUNCTION bool keeps() const { return keeps_lists<Lanes, packs> && keeps_; }
