@@ -82,6 +82,37 @@ herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
 
 haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return driver_file(file).file->bytes.size(); }
 
+template <class Number>
+Number number_at(SealedBytes& bytes, std::uint64_t at) {
+  char read[sizeof(Number)];
+  bytes.read(at, read, sizeof read);
+  Number number;
+  std::memcpy(&number, read, sizeof read);
+  return number;
+}
+
+/// Whether the objects of the global heap at `heap` (a collection of texts; HDF5 File Format
+/// Specification, III.E) follow one another up to its end. HDF5 copies as many bytes as an object
+/// says that it has, and looks at neither end of that.
+bool is_whole_heap(SealedBytes& bytes, std::uint64_t heap) {
+  constexpr std::uint64_t header = 16, unit = 8;  // bytes; of the heap and of each object
+  if (header > bytes.size() - heap) return false;
+  std::uint64_t left = number_at<std::uint64_t>(bytes, heap + 8);
+  if (left < header || left > bytes.size() - heap) return false;
+  std::uint64_t at = heap + header;
+  for (left -= header; left >= header;) {  // fewer bytes are free room
+    const auto size = number_at<std::uint64_t>(bytes, at + 8);
+    if (number_at<std::uint16_t>(bytes, at) == 0)
+      return size == left;  // the free room, with header
+    if (size > left - header) return false;
+    const std::uint64_t whole = header + (size + unit - 1) / unit * unit;
+    if (whole > left) return false;
+    at += whole;
+    left -= whole;
+  }
+  return true;
+}
+
 /// Zeros stand behind the end, as in HDF5's own drivers.
 herr_t read_driver(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t count, void* to) try {
   SealedBytes& bytes = driver_file(file).file->bytes;
@@ -89,6 +120,12 @@ herr_t read_driver(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t coun
   const auto there = static_cast<std::size_t>(std::min<std::uint64_t>(count, left));
   if (there > 0) bytes.read(at, static_cast<char*>(to), there);
   std::memset(static_cast<char*>(to) + there, 0, count - there);
+  constexpr char heap[] = {'G', 'C', 'O', 'L', 1, 0, 0, 0};  // its signature and version
+  if (there >= sizeof heap && std::memcmp(to, heap, sizeof heap) == 0 &&
+      !is_whole_heap(bytes, at)) {
+    report("the lengths of its texts do not fit their global heap");
+    return -1;
+  }
   return 0;
 } catch (const std::exception& fault) {
   report(fault.what());

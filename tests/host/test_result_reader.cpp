@@ -7,6 +7,8 @@
 #include <hdf5.h>
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -17,6 +19,7 @@
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/checked_file.hpp"
 #include "host/store/entries.hpp"
+#include "host/store/seal.hpp"
 #include "host/store/store.hpp"
 #include "tests/child.hpp"
 #include "tests/reseal.hpp"
@@ -287,6 +290,39 @@ TEST_F(Reader, RefusesDamagedChunksUnderAForgedSeal) {
     std::ofstream(path_, std::ios::binary | std::ios::trunc) << damaged;
     test::reseal(path_);
     EXPECT_THAT(check_result(path_).faults, testing::Not(testing::IsEmpty())) << into;
+  }
+}
+
+/// HDF5 copies as many bytes of a text as its global heap says that it has, from wherever they end
+/// to wherever that leads.
+TEST_F(Reader, RefusesTextsThatDoNotFitTheirHeap) {
+  write(2);
+  const std::string whole = test::without_seal(test::read_file(path_));
+  const std::size_t heap = whole.find("GCOL");
+  ASSERT_NE(heap, whole.npos);
+  const auto number = [&](std::size_t at) {
+    std::uint64_t read = 0;
+    std::memcpy(&read, whole.data() + at, sizeof read);
+    return read;
+  };
+  const auto forge = [&](std::size_t at, std::uint64_t forged) {
+    std::string bytes = whole;
+    std::memcpy(bytes.data() + at, &forged, sizeof forged);
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes << seal_of(bytes);
+    EXPECT_THAT(refusal(), HasSubstr("the lengths of its texts do not fit their global heap"))
+        << at - heap << ": " << forged << " for " << number(at);
+  };
+  const std::size_t end = heap + number(heap + 8);
+  ASSERT_LT(whole.find(scene_, heap), end);  // the reader needs it
+  for (const std::uint64_t size : {std::uint64_t{8}, whole.size() - heap + 1, ~std::uint64_t{0}})
+    forge(heap + 8, size);
+  for (std::size_t object = heap + 16; object < end;) {
+    const std::uint64_t size = number(object + 8);
+    for (const std::uint64_t forged :
+         {end - object - 15, std::uint64_t{1} << 40, ~std::uint64_t{0} - 16, ~std::uint64_t{0}})
+      forge(object + 8, forged);
+    if ((number(object) & 0xffff) == 0) break;  // the free room at the end
+    object += 16 + (size + 7) / 8 * 8;
   }
 }
 
