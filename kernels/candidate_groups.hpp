@@ -364,13 +364,16 @@ class CandidateGroups {
 
   RA2D_FUNCTION void find_coarse_on_rows(const Real* u, const Place& place) {
     const double variation = weighted_sum<Lanes, packs>(lanes_, bounds_.tile_variation, u);
+    const bool by_footprint = footprint().exists();
+    if (by_footprint) footprint().expand(place, u, lists_.footprint);
+    const int first = by_footprint ? slider_.first_lane / width : 0;  // pack whose modes are needed
     int count = 0;
     for (int band = 0; band < faces_.tiles.bands; ++band) {
       const double* const across =
           faces_.tiles.across + static_cast<std::int64_t>(band) * packs * width;
       Real x[packs];
       lanes_.sync();
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      for (int p = first; p < filled<packs>(lanes_); ++p) {
         x[p] = lanes_.load(across + p * width) * u[p];
         lanes_.store(amplitudes_ + p * width, x[p]);
       }
@@ -399,28 +402,44 @@ class CandidateGroups {
         (static_cast<std::int64_t>(band) * tiles.groups + group % tiles.groups) * tiles.strip +
         group / tiles.groups;
     int found = 0;
-    for (int tile = 0; tile < tiles.count;) {
-      const int patch = patch_of_tile(tile, place);
-      RA2D_CHECK(patch >= 0 && patch < patches_.count);
-      int end = tile + 1;
-      while (end < tiles.count && patch_of_tile(end, place) == patch) ++end;
-      const Real level(at_centre(patch, x) + variation);
-      lanes_.sync();
-      for (; tile < end; tile += width) {
-        Real displacement = level;
-        for (int k = 0; k < slider_.modes; ++k)
-          displacement =
-              multiply_add(amplitudes_[slider_.first_lane + k],
-                           lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
-        lanes_.store(lists_.tile_displacement + tile, displacement);
-        const Real top = lanes_.load(own + tile) + lanes_.load(opposite + tile) + displacement;
-        std::uint32_t bits = lanes_.at_least(top, -coarse_below_);
-        if (end - tile < width) bits &= (1u << (end - tile)) - 1u;
-        for (; bits != 0; bits &= bits - 1, ++found)
-          if (lanes_.leader())
-            lists_.tiles[found] = tile + Kokkos::Experimental::countr_zero_builtin(bits);
+    // those from `tile` to before `end`, a vector of them at the most
+    const auto look_at = [&](int tile, int end, Real displacement) {
+      for (int k = 0; k < slider_.modes; ++k)
+        displacement = multiply_add(amplitudes_[slider_.first_lane + k],
+                                    lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
+      lanes_.store(lists_.tile_displacement + tile, displacement);
+      const Real top = lanes_.load(own + tile) + lanes_.load(opposite + tile) + displacement;
+      std::uint32_t bits = lanes_.at_least(top, -coarse_below_);
+      if (end - tile < width) bits &= (1u << (end - tile)) - 1u;
+      for (; bits != 0; bits &= bits - 1, ++found)
+        if (lanes_.leader())
+          lists_.tiles[found] = tile + Kokkos::Experimental::countr_zero_builtin(bits);
+    };
+    if (footprint().exists()) {
+      const int rows = faces_.groups / faces_.rows.groups, first = band * tile_rows,
+                last = first + tile_rows < rows ? first + tile_rows : rows;
+      double along[highest_footprint_degree + 1];
+      footprint().along_row(lists_.footprint, 0.5 * (first + last - 1), rows, along);
+      const double nodes = tiles.groups * width;
+      for (int tile = 0; tile < tiles.count; tile += width) {
+        const Real middle =
+            Kokkos::min((Real(tile) + lanes_.index()) * Real(nodes) + Real(0.5 * nodes),
+                        Real(faces_.rows.nodes - 1.0));
+        look_at(
+            tile, tiles.count,
+            Real(variation) + footprint().displacement(place, along, middle, faces_.rows.nodes));
       }
-      tile = end;
+    } else {
+      for (int tile = 0; tile < tiles.count;) {
+        const int patch = patch_of_tile(tile, place);
+        RA2D_CHECK(patch >= 0 && patch < patches_.count);
+        int end = tile + 1;
+        while (end < tiles.count && patch_of_tile(end, place) == patch) ++end;
+        const Real level(at_centre(patch, x) + variation);
+        lanes_.sync();
+        for (; tile < end; tile += width) look_at(tile, end, level);
+        tile = end;
+      }
     }
     lanes_.sync();
     return found;

@@ -33,13 +33,13 @@
 /// Listed nodes: when that time is too short, the march evaluates a list of nodes at every step. It
 /// holds all nodes that could come into contact within N steps while the modes stay within a margin
 /// rho of their line. While they do, the contact force is at most f = kappa chi w sum_n max(0,
-/// overlap_n on the line + rho). So they depart from the line by at most (A + f sum_k max|psi_k|
-/// n_k (1 + p_k t)) t^2/2, where n_k (acceleration_per_newton) is max|psi_k|/m_k times the step's
-/// own factor. N is the last step at which this is still within rho. Forces that are found with the
-/// end of the step (Form::implicit) have no such bound, and with many modes it ends a list long
-/// before the forces do: there the march sums the forces of the steps so far (counts_forces). Where
-/// the list would not have covered a step, the march repeats it and searches for the nodes in
-/// contact.
+/// overlap_n on the line + rho). So they depart from the line by at most (A + f (n + j t)) t^2/2,
+/// where n (acceleration_per_newton) bounds sum_k |psi_k(x) psi_k(y)| n_k at any two places, n_k
+/// being 1/m_k times the step's own factor, and j (jerk_per_newton) the same sum with p_k n_k. N is
+/// the last step at which this is still within rho. Forces that are found with the end of the step
+/// (Form::implicit) have no such bound, and with many modes it ends a list long before the forces
+/// do: there the march sums the forces of the steps so far (counts_forces). Where the list would
+/// not have covered a step, the march repeats it and searches for the nodes in contact.
 ///
 /// Search: where neither is safe, the march searches for the nodes in contact at every state.
 ///
@@ -144,16 +144,17 @@ class Candidates {
     if (keeps() && horizon < aimed_steps_) horizon = aimed_steps_;
     if (horizon < longest) longest = static_cast<int>(horizon);
     const double tau = motion_.time_step;
-    const Bounds b = bounds(u, v, longest);
+    const Bounds b = bounds(place, u, v, longest);
 
     // the candidate groups must hold for all states up to then
     int listed_steps = steps_of_list(place, longest);
     const bool short_of_window = listed_steps < 1;
     if (short_of_window) listed_steps = 1;
     const double listed_time = listed_steps * tau;
-    const double margin = listed_time * listed_time *
-                              (0.75 * b.acceleration + b.acceleration_per_newton * last_force) +
-                          0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
+    const double margin =
+        listed_time * listed_time *
+            (0.6 * b.acceleration + 0.6 * b.acceleration_per_newton * last_force) +
+        0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
     const double listed_travel = b.speed * listed_time + margin;
     double travelled = groups_.travelled(u, place);
     if (!groups_.holds(place, travelled, listed_travel)) {
@@ -172,7 +173,8 @@ class Candidates {
     if (faces_.smooth) [[unlikely]]  // a cell may be closed where its ends are not
       slack.overlap +=
           modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, listed_travel + remaining);
-    const double level = -(margin + half_curve * listed_steps * listed_steps + slack.overlap);
+    const double half_path = 0.5 * (b.curvature - b.acceleration) * tau * tau;
+    const double level = -(margin + half_path * listed_steps * listed_steps + slack.overlap);
     int count = 0;
     last_listed_ = -1;
     Real pressed(0.0);
@@ -417,9 +419,9 @@ class Candidates {
     return forecast;
   }
 
-  RA2D_FUNCTION Bounds bounds(const Real* u, const Real* v, int steps) const {
+  RA2D_FUNCTION Bounds bounds(const Place& place, const Real* u, const Real* v, int steps) const {
     const double time = steps * motion_.time_step;
-    Real energy[packs], acceleration[packs], rate[packs], displacement[packs], per_newton[packs];
+    Real energy[packs], acceleration[packs], rate[packs], displacement[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real outer = load_pack(lanes_, bounds_.outer_acceleration, p);
       const Real per_norm = load_pack(lanes_, bounds_.acceleration_per_energy_norm, p);
@@ -428,17 +430,16 @@ class Candidates {
       acceleration[p] = multiply_add(per_norm, multiply_add(time, outer, energy[p]), outer);
       rate[p] = multiply_add(time, acceleration[p], Kokkos::abs(v[p]));
       displacement[p] = multiply_add(time, rate[p], Kokkos::abs(u[p]));
-      per_newton[p] = load_pack(lanes_, bounds_.acceleration_per_newton, p) *
-                      multiply_add(time, per_norm, Real(1.0));
     }
     Bounds b;
     b.rounding = rounding(steps) * bound(bounds_.largest_shape, displacement);
-    b.speed = bound(bounds_.largest_shape, v);
+    b.speed = Footprint<Lanes, packs>(lanes_, bounds_).most(place, v);
     b.acceleration = bound(bounds_.largest_shape, acceleration);
     const double speed = motion_.advance * motion_.spacing / motion_.time_step;
     b.curvature = b.acceleration + 2.0 * speed * bound(bounds_.largest_slope, rate) +
                   speed * speed * bound(bounds_.largest_curvature, displacement);
-    b.acceleration_per_newton = bound(bounds_.largest_shape, per_newton);
+    b.acceleration_per_newton =
+        Kokkos::fma(time, bounds_.jerk_per_newton, bounds_.acceleration_per_newton);
     return b;
   }
 
@@ -478,7 +479,7 @@ class Candidates {
     if (faces_.rows.across != nullptr && left > 2 * aimed_steps_) left = 2 * aimed_steps_;
     const int steps = left < 1 ? 1 : left;
     const double time = steps * motion_.time_step;
-    const Bounds b = bounds(u, v, steps);
+    const Bounds b = bounds(place, u, v, steps);
     // an earlier stage of this step may stand further back
     const double back = scheme_.stages > 1 ? Kokkos::min(place.theta, motion_.advance) : 0.0;
     groups_.find(u, place,

@@ -89,6 +89,53 @@ class Footprint {
     return Kokkos::max(Kokkos::max(bound[0], bound[1]), bound[2]);
   }
 
+  /// Writes the sums c_ab = sum_k Phi_kab x_k over the resonator's modes to `to` (term).
+  RA2D_FUNCTION void expand(const Place& place, const Real* x, double* to) const {
+    if constexpr (can_exist) {
+      const double* const phi = rows_at(place);
+      lanes_.sync();
+      for (int t = 0; t < limits_.footprint.terms; ++t) {
+        Real part(0.0);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          part = multiply_add(load_pack(lanes_, phi + t * row, p), x[p], part);
+        const double sum = lanes_.sum(part);
+        if (lanes_.leader()) to[t] = sum;
+      }
+      lanes_.sync();
+    }
+  }
+  /// The polynomial of `terms` (expand) along a line, c_a = sum_b c_ab T_b(eta). `row` [rows, from
+  /// the first one] of `rows`.
+  KOKKOS_FORCEINLINE_FUNCTION void along_row(const double* terms, double row_number, int rows,
+                                             double (&c)[highest_footprint_degree + 1]) const {
+    const double eta = rows > 1 ? 2.0 * row_number / (rows - 1) - 1.0 : 0.0;
+    double across[highest_footprint_degree + 1];
+    across[0] = 1.0, across[1] = eta;
+    for (int b = 2; b <= highest_footprint_degree; ++b)
+      across[b] = 2.0 * eta * across[b - 1] - across[b - 2];
+    for (int a = 0; a <= highest_footprint_degree; ++a) {
+      c[a] = 0.0;
+      for (int b = 0; a + b <= limits_.footprint.degree; ++b)
+        c[a] += terms[(a + b) * (a + b + 1) / 2 + b] * across[b];
+    }
+  }
+  /// sum_a c_a T_a(xi) over the slider's nodes `node` of a row of `nodes`, by Clenshaw's sum.
+  KOKKOS_FORCEINLINE_FUNCTION Real displacement(const Place& place,
+                                                const double (&c)[highest_footprint_degree + 1],
+                                                const Real& node, int nodes) const {
+    const FootprintTables& tables = limits_.footprint;
+    const double middle = tables.first + (place_of(place) + 0.5) * tables.nodes + 0.5 * (nodes - 1);
+    const Real xi =
+        (node + Real(place.base - middle)) * Real(1.0 / (0.5 * (nodes - 1 + tables.nodes) + 2.0));
+    Real last(0.0), next(0.0);
+    for (int a = highest_footprint_degree; a > 0; --a) {
+      const Real now = multiply_add(2.0, xi * last, Real(c[a]) - next);
+      next = last;
+      last = now;
+    }
+    return multiply_add(xi, last, Real(c[0]) - next);
+  }
+
   /// Of pack p of the modes, what the polynomials leave out of each.
   KOKKOS_FORCEINLINE_FUNCTION Real remainder(int p) const {
     return load_pack(lanes_, limits_.footprint.remainder, p);
@@ -102,13 +149,22 @@ class Footprint {
     return in_group ? limits_.footprint.remainder_in_group : limits_.footprint.remainder;
   }
 
+  KOKKOS_FORCEINLINE_FUNCTION int place_of(const Place& place) const {
+    const FootprintTables& tables = limits_.footprint;
+    const int at = (place.base - tables.first) / tables.nodes;
+    RA2D_CHECK(place.base >= tables.first && at < tables.places);
+    return at;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION const double* rows_at(const Place& place) const {
+    const FootprintTables& tables = limits_.footprint;
+    return tables.rows + static_cast<std::int64_t>(place_of(place)) * tables.terms * row;
+  }
+
   template <int count>
   RA2D_FUNCTION void sum_terms(const Place& place, const double* remainder,
                                const Real* const (&x)[count], double (&bound)[count]) const {
     const FootprintTables& tables = limits_.footprint;
-    const int at = (place.base - tables.first) / tables.nodes;
-    RA2D_CHECK(place.base >= tables.first && at < tables.places);
-    const double* phi = tables.rows + static_cast<std::int64_t>(at) * tables.terms * row;
+    const double* const phi = rows_at(place);
     for (int i = 0; i < count; ++i) bound[i] = weighted_sum<Lanes, packs>(lanes_, remainder, x[i]);
     // side by side: one sum by itself waits for each addition
     for (int t = 0; t < tables.terms; t += footprint_side_by_side) {

@@ -215,6 +215,7 @@ struct CandidateLists {
   double* coarse_reference_u = nullptr;   // modal displacements at which the coarse list was made
   int* tiles = nullptr;                   // areal scenes: of a band, that come close
   double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
+  double* footprint = nullptr;            // m, (term): of what moves the tiles
   bool kept = false;                      // whether lists of nodes are (keeps_lists)
   int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
   // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed
@@ -543,6 +544,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));
+    visit("footprint_terms", s.candidates.footprint, static_cast<std::size_t>(n.footprint_terms));
   }
   const auto listed = static_cast<std::size_t>(n.listed);
   visit("listed_nodes", s.listed_nodes, listed);

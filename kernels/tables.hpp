@@ -159,7 +159,7 @@ inline constexpr int tile_nodes = 32, tile_rows = 8;
 /// (kernels/adaptive/contact_clusters.hpp) clusters form where contact is, the most of them in a
 /// step; under fixed steps (kernels/contact/clustered_contact.hpp) they are squares of so many
 /// nodes.
-inline constexpr int cluster_reach = 2, square_reach = 4, most_clusters = 48, most_places = 160;
+inline constexpr int cluster_reach = 2, square_reach = 8, most_clusters = 48, most_places = 160;
 inline constexpr int square_nodes = 2 * square_reach;
 inline constexpr int cluster_rows = 11, cluster_own = 10;
 
@@ -338,6 +338,7 @@ struct SchemeWeights {
 /// The modes' shapes on the part of the resonator that an areal scene's slider stands on, as
 /// polynomials (kernels/footprint.hpp). One set of them, a place, serves some nodes of the path.
 struct FootprintTables {
+  int degree = 0;                //
   int terms = 0;                 // whole blocks of footprint_side_by_side; 0: there are none
   int first = 0;                 // Place::base where the path begins
   int nodes = 1;                 // of the path, to a place
@@ -349,6 +350,7 @@ struct FootprintTables {
 };
 /// Terms that are summed together.
 inline constexpr int footprint_side_by_side = 4;
+inline constexpr int highest_footprint_degree = 6;
 
 /// Bounds on the motion, from which follows which nodes can come into contact, and how tightly they
 /// are used.
@@ -360,17 +362,22 @@ struct MotionLimits {
   double least_range = 0;   // m, of a list of candidate groups
   double least_margin = 0;  // m, of a list of nodes
 
-  // Form::adaptive: not of the first three
+  // Of schemes with fixed steps. The contact forces f accelerate a node within a time t by no more
+  // than (acceleration_per_newton + jerk_per_newton t) sum f.
+  double acceleration_per_newton = 0;  // 1/kg
+  double jerk_per_newton = 0;          // 1/(kg s)
+
+  // Form::adaptive: not of the first two
   const double* acceleration_per_energy_norm =
       nullptr;                                 // 1/s, bound on |V'|/sqrt(V^2 + omega^2U^2)
   const double* outer_acceleration = nullptr;  // m^(3/2)/s^2, bound on |V'| of the outer forces
-  const double* acceleration_per_newton = nullptr;  // m^(-1/2)/kg, of contact force
-  const double* largest_shape = nullptr;            // max |psi|
-  const double* largest_slope = nullptr;            // max |psi'|, resonator only: its nodes move
-  const double* largest_curvature = nullptr;        // max |psi''|, resonator only
+  const double* largest_shape = nullptr;       // max |psi|
+  const double* largest_slope = nullptr;       // max |psi'|, resonator only: its nodes move
+  const double* largest_curvature = nullptr;   // max |psi''|, resonator only
   const double* cell_sag = nullptr;  // smooth faces: what psi within a cell exceeds its ends by
   // areal scenes: what psi at the nodes of a tile differs by from psi in its middle or, of the
-  // resonator, from psi where the patch and the band there have theirs
+  // resonator, from its polynomial there (FootprintTables); without one, from psi where the patch
+  // and the band there have theirs
   const double* tile_variation = nullptr;
   const double* cubic_remainder = nullptr;        // what a cubic over a patch leaves out, over |U|
   const double* cubic_slope_remainder = nullptr;  // 1/m, of its slope
@@ -468,7 +475,6 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("damping", t.modes.damping, lanes);
   visit("acceleration_per_energy_norm", t.bounds.acceleration_per_energy_norm, lanes);
   visit("outer_acceleration", t.bounds.outer_acceleration, lanes);
-  visit("acceleration_per_newton", t.bounds.acceleration_per_newton, lanes);
   visit("largest_shape", t.bounds.largest_shape, lanes);
   visit("largest_slope", t.bounds.largest_slope, lanes);
   visit("largest_curvature", t.bounds.largest_curvature, lanes);

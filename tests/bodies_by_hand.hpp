@@ -35,13 +35,13 @@ struct BodiesByHand {
     const int groups = (nodes + width - 1) / width, patches = resonator_nodes / patch_nodes + 1;
     const double radius = radius_of(patch_nodes);
     const auto waving = static_cast<int>(waves_.size()), sliding = static_cast<int>(shapes_.size());
-    for (std::vector<double>* row : {&largest_shape, &slope, &curvature, &tail, &slope_tail, &zero,
-                                     &outer_acceleration, &acceleration_per_newton})
+    for (std::vector<double>* row :
+         {&largest_shape, &slope, &curvature, &tail, &slope_tail, &zero, &outer_acceleration})
       row->assign(modes, 0.0);
     patch.assign(static_cast<std::size_t>(patches) * 4 * modes, 0.0);
     for (int k = 0; k < waving; ++k) {
       const double b = waves_[k].beta, turn = b * radius;
-      largest_shape[k] = acceleration_per_newton[k] = 1, slope[k] = b, curvature[k] = b * b;
+      largest_shape[k] = 1, slope[k] = b, curvature[k] = b * b;
       tail[k] = std::pow(turn, 4) / 24, slope_tail[k] = b * std::pow(turn, 3) / 6;
       for (int p = 0; p < patches; ++p)
         for (int j = 0; j < 4; ++j)
@@ -54,7 +54,6 @@ struct BodiesByHand {
       for (int n = 0; n < nodes; ++n) {
         shape[k * groups * width + n] = shapes_[k][n];
         largest_shape[waving + k] = std::max(largest_shape[waving + k], std::abs(shapes_[k][n]));
-        acceleration_per_newton[waving + k] = largest_shape[waving + k];
       }
     height1.assign(groups * width, -1e30);
     std::fill_n(height1.begin(), nodes, 0.0);
@@ -69,8 +68,9 @@ struct BodiesByHand {
     t.bounds.largest_curvature = curvature.data();
     t.bounds.cubic_remainder = tail.data(), t.bounds.cubic_slope_remainder = slope_tail.data();
     t.modes.omega = t.bounds.acceleration_per_energy_norm = zero.data(),
-    t.bounds.outer_acceleration = outer_acceleration.data(),
-    t.bounds.acceleration_per_newton = acceleration_per_newton.data();
+    t.bounds.outer_acceleration = outer_acceleration.data();
+    for (const double largest : largest_shape)
+      t.bounds.acceleration_per_newton += largest * largest;
     t.patches.derivatives = patch.data(), t.slider.shape = shape.data();
     t.faces.height1 = height1.data(), t.faces.height2 = height2.data(),
     t.faces.highest2 = highest2.data();
@@ -108,8 +108,7 @@ struct BodiesByHand {
            listed_nodes_.begin() + count;
   }
 
-  std::vector<double> largest_shape, slope, curvature, tail, slope_tail, zero, outer_acceleration,
-      acceleration_per_newton;
+  std::vector<double> largest_shape, slope, curvature, tail, slope_tail, zero, outer_acceleration;
   std::vector<double> patch, shape, height1, height2, highest2;
   SceneTables t;
   SceneState s;

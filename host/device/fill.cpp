@@ -122,9 +122,11 @@ class Filler {
   const Scene& scene_;
   const Extents& n_;
   HostCopy host_;
-  double radius_;  // m, of a patch's series
+  double radius_;                               // m, of a patch's series
+  std::vector<double> acceleration_per_force_;  // of each mode: StepBounds
 
   void step_of(const ModeOnLane& mode);
+  void bounds_per_newton();
   void flight_of(const ModeOnLane& mode);
 };
 
@@ -159,7 +161,8 @@ void Filler::numbers() {
   tables_.motion.spacing = scene_.spacing;
   tables_.motion.time_step = model_.tick;
   tables_.patches.inverse_radius = scene_.spacing / radius_;
-  tables_.motion.windows = count_windows(model_);
+  tables_.motion.windows =
+      n_.cluster_degree > 0 && !is_adaptive(scene_) ? 1 : count_windows(model_);
   tables_.motion.window_width = 1.0 / tables_.motion.windows;
   tables_.forces.resonator_length = scene_.resonator.length;
   tables_.contact.node_stiffness = model_.node_stiffness;
@@ -228,6 +231,7 @@ void Filler::modes() {
       host_(tables_.bounds.cubic_slope_remainder)[lane] = remainder.slope;
       host_(tables_.patches.quartic)[lane] = shape.fourth_derivative_factor(radius_);
     }
+  if (!is_adaptive(scene_)) bounds_per_newton();
   // from rest the velocity is up to a step ahead of the work of these forces, or (midpoint) half a
   // step behind
   tables_.output.least_energy = 1e-30 + 4.0 * supplied;
@@ -264,8 +268,28 @@ void Filler::step_of(const ModeOnLane& mode) {
                                        tables_.bounds.valid_steps);
   host_(tables_.bounds.acceleration_per_energy_norm)[lane] = bounds.acceleration_per_energy_norm;
   host_(tables_.bounds.outer_acceleration)[lane] = mode.outer_force * bounds.acceleration_per_force;
-  host_(tables_.bounds.acceleration_per_newton)[lane] =
-      mode.largest * bounds.acceleration_per_force;
+  acceleration_per_force_.push_back(bounds.acceleration_per_force);
+}
+
+/// What a contact force does to a node. With the weights w of the modes, by Cauchy and Schwarz,
+/// sum_k w_k |psi_k(x) psi_k(y)| is at most the largest sum_k w_k psi_k(x)^2, wherever the force
+/// acts and the node stands.
+void Filler::bounds_per_newton() {
+  MotionLimits& bounds = tables_.bounds;
+  const double* const rate = host_(bounds.acceleration_per_energy_norm);
+  std::size_t lane = 0;
+  for (const Body* body : {&model_.resonator, &model_.slider}) {
+    if (body->modes.empty()) continue;
+    const BodySpec& spec = body == &model_.slider ? scene_.slider : scene_.resonator;
+    std::vector<double> per_force, per_force_and_time;
+    for (std::size_t k = 0; k < body->modes.size(); ++k, ++lane) {
+      per_force.push_back(acceleration_per_force_[lane]);
+      per_force_and_time.push_back(rate[lane] * acceleration_per_force_[lane]);
+    }
+    const double width = model_.is_areal ? spec.width : 0.0;
+    bounds.acceleration_per_newton += largest_square_sum(*body, per_force, width);
+    bounds.jerk_per_newton += largest_square_sum(*body, per_force_and_time, width);
+  }
 }
 
 /// The closed form of free flight, and the bounds that the adaptive steps rest on.
@@ -431,12 +455,14 @@ void Filler::tiles() {
           model_.slider.modes[k], std::min(i * tile + tile / 2, n_.row_nodes - 1) * scene_.spacing);
 }
 
-/// By its slope along a tile times the way from its middle (of the resonator from the middle of a
-/// patch, and on the way that a list of candidate groups holds for), and its slope across it.
+/// By its slope along a tile times the way from its middle (of the resonator on the way that a list
+/// of candidate groups holds for, too, and without a footprint from the middle of a patch), and its
+/// slope across it.
 void Filler::tile_variation(const ModeOnLane& mode) {
   const TileTables& t = tables_.faces.tiles;
   double nodes = 0.5 * t.groups * n_.width + 1;
-  if (mode.of_resonator) nodes += 0.5 * tables_.patches.nodes + n_.width + 2;
+  if (mode.of_resonator) nodes += n_.width + 2;
+  if (mode.of_resonator && n_.footprint_terms == 0) nodes += 0.5 * tables_.patches.nodes;
   const double along = nodes * scene_.spacing,
                across = 0.5 * (tile_rows - 1) * model_.spacing_y * mode.shape.across_rate();
   // the middle of a patch, and what the slider would reach, may lie behind the body's end

@@ -11,7 +11,7 @@
 namespace ra2d {
 namespace {
 
-constexpr int highest_degree = 6;
+constexpr int highest_degree = highest_footprint_degree;
 /// Places. Of a longer path the tables would be large.
 constexpr int longest_path = 1024;
 /// Of the sum of all shapes, what polynomials may leave out.
@@ -146,6 +146,7 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
   FootprintTables& tables = bounds.footprint;
   FootprintShape shape = on_path(model);
   while (shape.terms() < n.footprint_terms) ++shape.degree;
+  tables.degree = shape.degree;
   tables.terms = n.footprint_terms;
   tables.first = static_cast<int>(model.position);
   tables.nodes = shape.nodes;
@@ -158,6 +159,8 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
   std::fill_n(remainder, n.lanes, 0.0);
   std::ranges::copy(remainders(model, shape), remainder);
   std::copy_n(remainder, n.lanes, in_group);
+  double* const in_tile = host(bounds.tile_variation);
+  for (std::size_t k = 0; k < model.resonator.modes.size(); ++k) in_tile[k] += remainder[k];
   for (std::size_t k = 0; k < model.slider.modes.size(); ++k) {
     const std::size_t lane = model.resonator.modes.size() + k;
     const ModeShape& mode = *model.slider.modes[k].shape;

@@ -70,7 +70,7 @@ int cluster_degree(const Model& model, int width) {
   // of a mode's shape; of a displacement, most of which is that of low modes, far less
   const double bearable = form == Form::adaptive
                               ? 0.03 * model.scene.time.tolerance.value_or(usual_tolerance)
-                              : 0x1p-28;
+                              : 0x1p-24;
   for (const int degree : {2, 3})
     if (std::all_of(
             model.resonator.modes.begin(), model.resonator.modes.end(), [&](const BodyMode& mode) {

@@ -22,6 +22,10 @@ double fastest_rate(const Model& model);
 /// |U| <= E/omega: (d/dt + passing_rate)^4, term by term.
 double fourth_derivative(const Mode& mode, double largest_shape, double passing_rate);
 
+/// Bound on sum_k weight_k psi_k^2 anywhere on a body, weight_k >= 0. `width` [m], of an areal
+/// body. It is far below the sum of the largest terms: the modes' crests stand at different places.
+double largest_square_sum(const Body& body, const std::vector<double>& weight, double width);
+
 /// The largest rise of a face from a node to the next [m].
 double steepest_rise(const double* height, int count);
 

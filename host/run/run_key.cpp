@@ -16,7 +16,7 @@ namespace ra2d {
 int numerics_version_of(const Scene& scene) {
   if (!is_adaptive(scene))  // areal scenes: fine nodes share their sums over the modes
     return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
-               ? 3
+               ? 4
                : numerics_version;
   if (scene.faces == Faces::smooth) return 7;  // collocation, with sweeps on springs
   // nodes in contact are gathered in clusters

@@ -11,6 +11,9 @@
 
 #include "host/base/decompositions.hpp"
 #include "host/body/beam.hpp"
+#include "host/body/block.hpp"
+#include "host/body/body.hpp"
+#include "host/body/plate.hpp"
 #include "host/device/layout.hpp"
 #include "tests/dice.hpp"
 #include "tests/free_motion.hpp"
@@ -533,6 +536,50 @@ TEST(FillRaised, IsAboveAParabolaAndTheBoundOnItsRise) {
   EXPECT_NEAR(raised[2], 1 + sharp / 9 + sharp / 18, 1e-12);
   EXPECT_EQ(raised[1], raised[2]) << "its left piece is curved, too";
   EXPECT_EQ(raised[0], 1);
+}
+
+// ---- sums of squares
+
+/// Never exceeded, and no more than a sixteenth of the sum of all modes above what is reached.
+TEST(SumOfSquares, IsReachedAlmost) {
+  Dice dice(9);
+  for (int sample = 0; sample < 12; ++sample) {
+    BodySpec spec = random_body(dice, sample % 2 == 0 ? Support::pinned : Support::free);
+    const bool areal = sample % 3 == 0;
+    if (areal) {
+      spec.support = sample % 2 == 0 ? Support::pinned : Support::free;
+      spec.poisson = 0.3;
+      spec.width = spec.length * dice.uniform(0.3, 1);
+    }
+    const Body body = areal ? spec.support == Support::pinned ? make_plate(spec) : make_block(spec)
+                            : make_beam(spec);
+    std::vector<double> weight;
+    double all = 0;
+    for (const BodyMode& mode : body.modes) {
+      weight.push_back(dice.uniform(0, 1));
+      all += weight.back() * std::pow(mode.shape->size(), 2);
+    }
+    const double bound = largest_square_sum(body, weight, areal ? spec.width : 0.0);
+    double reached = 0;
+    const int along = 700, across = areal ? 400 : 0;
+    for (int j = 0; j <= across; ++j)
+      for (int i = 0; i <= along; ++i) {
+        double sum = 0;
+        for (std::size_t k = 0; k < body.modes.size(); ++k) {
+          const double x = i * body.length / along;
+          const double psi = areal ? shape_at(body.modes[k], x, j * spec.width / across)
+                                   : shape_at(body.modes[k], x);
+          sum += weight[k] * psi * psi;
+        }
+        reached = std::max(reached, sum);
+      }
+    EXPECT_GE(bound, reached * (1 - 16 * eps));
+    EXPECT_LE(bound, reached + all / 16);
+    EXPECT_LE(bound, all);
+    if (body.modes.size() > 8 && spec.support == Support::pinned) {
+      EXPECT_LT(bound, 0.8 * all);
+    }
+  }
 }
 
 }  // namespace

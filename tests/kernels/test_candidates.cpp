@@ -91,7 +91,7 @@ TEST(Candidates, AListUnderForcesYetToBeFoundCoversNoStepAtWhichAnotherNodeTouch
     bodies.t.scheme.form = Form::implicit;
     bodies.t.bounds.valid_steps = longest;
     bodies.outer_acceleration[0] = a;
-    bodies.acceleration_per_newton[0] = 0;  // this force turns it and does no more
+    bodies.t.bounds.acceleration_per_newton = 1;  // this force turns it and does no more
     const Amplitudes u{}, v{};
     for (int step = 20; step <= longest; step += 20) {
       const double distance = 0.5 * step * (step + 1.0) * (a + f);

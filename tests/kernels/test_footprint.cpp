@@ -107,6 +107,42 @@ TEST(Footprint, BoundsWhatAnyNodeIsMovedBy) {
   }
 }
 
+/// The polynomial itself, at every node: off by no more than what it leaves out.
+TEST(Footprint, IsWhatTheResonatorMovesTheNodesBy) {
+  Dice dice(7);
+  const Sliding scene(5.8e-3, 2.5e-3);
+  const Footprint<HostLanes, many> footprint(lanes, scene.t.bounds);
+  std::vector<double> terms(scene.n.footprint_terms);
+  double farthest = 0, moved = 0;
+  for (int sample = 0; sample < 40; ++sample) {
+    std::vector<double> x(many * width, 0.0);
+    double left_out = 0;
+    for (int k = 0; k < scene.modes(); ++k) {
+      x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
+      left_out += scene.t.bounds.footprint.remainder[k] * std::abs(x[k]);
+    }
+    const Place place = scene.place(std::floor(scene.model.position + dice.uniform(0, 40)));
+    footprint.expand(place, ManyPacks(x).x, terms.data());
+    for (int j = 0; j < scene.model.rows; ++j) {
+      double along[highest_footprint_degree + 1];
+      footprint.along_row(terms.data(), j, scene.model.rows, along);
+      for (int i = 0; i < scene.n.row_nodes; i += width) {
+        double found[width];
+        lanes.store(found, footprint.displacement(place, along, Real(i) + lanes.index(),
+                                                  scene.n.row_nodes));
+        for (int l = 0; l < width && i + l < scene.n.row_nodes; ++l) {
+          const double truly = scene.of_resonator(x, place.position, i + l, j);
+          moved = std::max(moved, std::abs(truly));
+          farthest = std::max(farthest, std::abs(found[l] - truly) / left_out);
+        }
+      }
+    }
+  }
+  EXPECT_LE(farthest, 1);
+  EXPECT_GT(farthest, 0.02) << "the remainder is of use";
+  EXPECT_GT(moved, 1);
+}
+
 /// With the slider's part in the middle of each group taken off.
 TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
   Dice dice(6);
