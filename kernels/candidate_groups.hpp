@@ -419,7 +419,7 @@ class CandidateGroups {
       const int rows = faces_.groups / faces_.rows.groups, first = band * tile_rows,
                 last = first + tile_rows < rows ? first + tile_rows : rows;
       double along[highest_footprint_degree + 1];
-      footprint().along_row(lists_.footprint, 0.5 * (first + last - 1), rows, along);
+      footprint().take_row(lists_.footprint, 0.5 * (first + last - 1), rows, along);
       const double nodes = tiles.groups * width;
       for (int tile = 0; tile < tiles.count; tile += width) {
         const Real middle =

@@ -151,10 +151,10 @@ class Candidates {
     const bool short_of_window = listed_steps < 1;
     if (short_of_window) listed_steps = 1;
     const double listed_time = listed_steps * tau;
-    const double margin =
-        listed_time * listed_time *
-            (0.6 * b.acceleration + 0.6 * b.acceleration_per_newton * last_force) +
-        0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
+    // what is expected of free motion and of the usual force, and a fifth more
+    const double margin = 0.6 * listed_time * listed_time *
+                              (b.acceleration + b.acceleration_per_newton * last_force) +
+                          0.5 * listed_time * tau * b.acceleration + bounds_.least_margin;
     const double listed_travel = b.speed * listed_time + margin;
     double travelled = groups_.travelled(u, place);
     if (!groups_.holds(place, travelled, listed_travel)) {
@@ -173,6 +173,7 @@ class Candidates {
     if (faces_.smooth) [[unlikely]]  // a cell may be closed where its ends are not
       slack.overlap +=
           modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, listed_travel + remaining);
+    // the modes' own departure is in the margin
     const double half_path = 0.5 * (b.curvature - b.acceleration) * tau * tau;
     const double level = -(margin + half_path * listed_steps * listed_steps + slack.overlap);
     int count = 0;

@@ -104,10 +104,9 @@ class Footprint {
       lanes_.sync();
     }
   }
-  /// The polynomial of `terms` (expand) along a line, c_a = sum_b c_ab T_b(eta). `row` [rows, from
-  /// the first one] of `rows`.
-  KOKKOS_FORCEINLINE_FUNCTION void along_row(const double* terms, double row_number, int rows,
-                                             double (&c)[highest_footprint_degree + 1]) const {
+  /// On a row of `rows`: the sums over b of the terms c_ab T_b(eta), for each a.
+  KOKKOS_FORCEINLINE_FUNCTION void take_row(const double* terms, double row_number, int rows,
+                                            double (&c)[highest_footprint_degree + 1]) const {
     const double eta = rows > 1 ? 2.0 * row_number / (rows - 1) - 1.0 : 0.0;
     double across[highest_footprint_degree + 1];
     across[0] = 1.0, across[1] = eta;
@@ -119,14 +118,13 @@ class Footprint {
         c[a] += terms[(a + b) * (a + b + 1) / 2 + b] * across[b];
     }
   }
-  /// sum_a c_a T_a(xi) over the slider's nodes `node` of a row of `nodes`, by Clenshaw's sum.
+  /// sum_a c_a T_a(xi) at the slider's nodes `node` of a row of `nodes`, by Clenshaw's algorithm.
   KOKKOS_FORCEINLINE_FUNCTION Real displacement(const Place& place,
                                                 const double (&c)[highest_footprint_degree + 1],
                                                 const Real& node, int nodes) const {
     const FootprintTables& tables = limits_.footprint;
     const double middle = tables.first + (place_of(place) + 0.5) * tables.nodes + 0.5 * (nodes - 1);
-    const Real xi =
-        (node + Real(place.base - middle)) * Real(1.0 / (0.5 * (nodes - 1 + tables.nodes) + 2.0));
+    const Real xi = (node + Real(place.base - middle)) * Real(tables.inverse_half);
     Real last(0.0), next(0.0);
     for (int a = highest_footprint_degree; a > 0; --a) {
       const Real now = multiply_add(2.0, xi * last, Real(c[a]) - next);

@@ -343,6 +343,7 @@ struct FootprintTables {
   int first = 0;                 // Place::base where the path begins
   int nodes = 1;                 // of the path, to a place
   int places = 0;                //
+  double inverse_half = 1;       // 1/chi, of half a place's rectangle along x: xi is 1 at its end
   const double* rows = nullptr;  // (place, term, lane): Phi; 0 of the slider's modes
   // what they leave out of a shape, roundings as well; of the slider's modes all, or what is left
   // where a group's middle is followed

@@ -2,6 +2,7 @@
 #include "host/device/fill.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "host/device/collocation_tables.hpp"
@@ -271,9 +272,9 @@ void Filler::step_of(const ModeOnLane& mode) {
   acceleration_per_force_.push_back(bounds.acceleration_per_force);
 }
 
-/// What a contact force does to a node. With the weights w of the modes, by Cauchy and Schwarz,
-/// sum_k w_k |psi_k(x) psi_k(y)| is at most the largest sum_k w_k psi_k(x)^2, wherever the force
-/// acts and the node stands.
+/// Bounds on how contact forces move a node. With the weights w of the modes, by Cauchy and
+/// Schwarz, sum_k w_k |psi_k(x) psi_k(y)| is at most the largest sum_k w_k psi_k(x)^2, wherever the
+/// force acts and the node stands.
 void Filler::bounds_per_newton() {
   MotionLimits& bounds = tables_.bounds;
   const double* const rate = host_(bounds.acceleration_per_energy_norm);
@@ -281,14 +282,15 @@ void Filler::bounds_per_newton() {
   for (const Body* body : {&model_.resonator, &model_.slider}) {
     if (body->modes.empty()) continue;
     const BodySpec& spec = body == &model_.slider ? scene_.slider : scene_.resonator;
-    std::vector<double> per_force, per_force_and_time;
+    std::array<std::vector<double>, 2> weights;
     for (std::size_t k = 0; k < body->modes.size(); ++k, ++lane) {
-      per_force.push_back(acceleration_per_force_[lane]);
-      per_force_and_time.push_back(rate[lane] * acceleration_per_force_[lane]);
+      weights[0].push_back(acceleration_per_force_[lane]);
+      weights[1].push_back(rate[lane] * acceleration_per_force_[lane]);
     }
-    const double width = model_.is_areal ? spec.width : 0.0;
-    bounds.acceleration_per_newton += largest_square_sum(*body, per_force, width);
-    bounds.jerk_per_newton += largest_square_sum(*body, per_force_and_time, width);
+    const auto [acceleration, jerk] =
+        largest_square_sums(*body, weights, model_.is_areal ? spec.width : 0.0);
+    bounds.acceleration_per_newton += acceleration;
+    bounds.jerk_per_newton += jerk;
   }
 }
 

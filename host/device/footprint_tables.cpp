@@ -151,6 +151,7 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
   tables.first = static_cast<int>(model.position);
   tables.nodes = shape.nodes;
   tables.places = n.footprint_places;
+  tables.inverse_half = model.scene.spacing / Rectangle(model, shape, 0).half();
   double* const rows = host(tables.rows);
   std::fill_n(rows, static_cast<std::size_t>(n.footprint_places) * n.footprint_terms * n.lanes,
               0.0);

@@ -35,7 +35,7 @@ int first_flight_level(const Model& model);
 double cluster_remainder(const Model& model, const BodyMode& mode, int degree);
 
 /// The degree of these polynomials: the smaller of 2 and 3 that leaves out no more of any shape
-/// than a small part of the tolerance, under fixed steps than 2^-28. 0 where a scene has no
+/// than a small part of the tolerance, under fixed steps than 2^-24. 0 where a scene has no
 /// clusters of nodes: neither does, the modes are too few (in packs of `width`), the scene is not
 /// areal, its faces are smooth, or its forces are found with the end of a step.
 int cluster_degree(const Model& model, int width);

@@ -29,45 +29,56 @@ double fourth_derivative(const Mode& mode, double largest_shape, double passing_
 
 // In a stretch h long a function exceeds the higher of its ends by no more than h^2/8 times its
 // largest second derivative, which is 4 rate^2 size^2 of psi^2 at the most.
-double largest_square_sum(const Body& body, const std::vector<double>& weight, double width) {
+std::array<double, 2> largest_square_sums(const Body& body,
+                                          const std::array<std::vector<double>, 2>& weights,
+                                          double width) {
   constexpr double stretches_per_rate = 4.0;
-  constexpr int most_stretches = 4096;
   double rate_along = 0, rate_across = 0;
   for (const BodyMode& mode : body.modes) {
     rate_along = std::max(rate_along, mode.shape->change_rate());
     rate_across = std::max(rate_across, mode.shape->across_rate());
   }
-  const auto stretches = [&](double length, double rate) {
-    return static_cast<int>(
-        std::clamp(std::ceil(stretches_per_rate * length * rate), 1.0, double{most_stretches}));
+  const auto stretches = [](double length, double rate) {
+    return std::max(1, static_cast<int>(std::ceil(stretches_per_rate * length * rate)));
   };
   const int along = stretches(body.length, rate_along),
             across = width > 0 ? stretches(width, rate_across) : 0;
   const double step_along = body.length / along, step_across = across > 0 ? width / across : 0.0;
-  // (across, along)
-  std::vector<double> sum((across + 1) * (along + 1), 0.0), square(along + 1);
-  double all = 0, between = 0;
+  const auto squared = [](double value) { return value * value; };
+  const std::size_t row = along + 1;
+  std::array<std::vector<double>, 2> sums;  // (across, along)
+  std::array<double, 2> all{}, between{};
+  for (std::vector<double>& sum : sums) sum.assign((across + 1) * row, 0.0);
+  std::vector<double> square(row);
   for (std::size_t k = 0; k < body.modes.size(); ++k) {
     const ModeShape& shape = *body.modes[k].shape;
-    const double largest = weight[k] * std::pow(shape.size(), 2);
-    all += largest;
-    between += 0.5 * largest *
-               (std::pow(step_along * shape.change_rate(), 2) +
-                std::pow(step_across * shape.across_rate(), 2));
-    const auto squared = [](double value) { return value * value; };
     double psi;
     for (int i = 0; i <= along; ++i) {
       shape.evaluate(i * step_along, 1, &psi);
-      square[i] = weight[k] * squared(psi);
+      square[i] = squared(psi);
     }
     for (int j = 0; j <= across; ++j) {
       shape.evaluate_across(j * step_across, 1, &psi);
-      double* const row = sum.data() + static_cast<std::size_t>(j) * (along + 1);
-      for (int i = 0; i <= along; ++i) row[i] += squared(psi) * square[i];
+      for (int w = 0; w < 2; ++w) {
+        const double weight = weights[w][k] * squared(psi);
+        double* const sum = sums[w].data() + j * row;
+        for (int i = 0; i <= along; ++i) sum[i] += weight * square[i];
+      }
+    }
+    for (int w = 0; w < 2; ++w) {
+      const double largest = weights[w][k] * squared(shape.size());
+      all[w] += largest;
+      between[w] +=
+          0.5 * largest *
+          (squared(step_along * shape.change_rate()) + squared(step_across * shape.across_rate()));
     }
   }
-  const double highest = *std::max_element(sum.begin(), sum.end());
-  return std::min(all, (1.0 + 1e-12) * (highest + between));
+  std::array<double, 2> most;
+  for (int w = 0; w < 2; ++w) {
+    const double highest = *std::max_element(sums[w].begin(), sums[w].end());
+    most[w] = std::min(all[w], (1.0 + 1e-12) * (highest + between[w]));
+  }
+  return most;
 }
 
 double steepest_rise(const double* height, int count) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <vector>
 
 #include "host/model/model.hpp"
@@ -22,9 +23,12 @@ double fastest_rate(const Model& model);
 /// |U| <= E/omega: (d/dt + passing_rate)^4, term by term.
 double fourth_derivative(const Mode& mode, double largest_shape, double passing_rate);
 
-/// Bound on sum_k weight_k psi_k^2 anywhere on a body, weight_k >= 0. `width` [m], of an areal
-/// body. It is far below the sum of the largest terms: the modes' crests stand at different places.
-double largest_square_sum(const Body& body, const std::vector<double>& weight, double width);
+/// Bounds on sum_k weight_k psi_k^2 anywhere on a body, for two sets of weights, none negative.
+/// `width` [m], of an areal body. They are far below the sums of the largest terms: the modes'
+/// crests stand at different places.
+std::array<double, 2> largest_square_sums(const Body& body,
+                                          const std::array<std::vector<double>, 2>& weights,
+                                          double width);
 
 /// The largest rise of a face from a node to the next [m].
 double steepest_rise(const double* height, int count);

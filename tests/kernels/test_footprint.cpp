@@ -125,7 +125,7 @@ TEST(Footprint, IsWhatTheResonatorMovesTheNodesBy) {
     footprint.expand(place, ManyPacks(x).x, terms.data());
     for (int j = 0; j < scene.model.rows; ++j) {
       double along[highest_footprint_degree + 1];
-      footprint.along_row(terms.data(), j, scene.model.rows, along);
+      footprint.take_row(terms.data(), j, scene.model.rows, along);
       for (int i = 0; i < scene.n.row_nodes; i += width) {
         double found[width];
         lanes.store(found, footprint.displacement(place, along, Real(i) + lanes.index(),

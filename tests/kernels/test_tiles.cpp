@@ -21,9 +21,9 @@ struct Searched : Filled {
   SceneState s;
   std::vector<int> groups, coarse_groups, tiles;
   std::vector<double> reference, coarse_reference, coarse_highest, coarse_displacement,
-      displacement, amplitudes;
+      displacement, amplitudes, footprint;
 
-  explicit Searched(const Model& model) : Filled(model) {
+  Searched(const Model& model, int all_packs) : Filled(model, all_packs * width) {
     for (std::vector<int>* list : {&groups, &coarse_groups}) list->assign(n.groups, 0);
     tiles.assign(n.padded_tiles(), 0);
     for (std::vector<double>* row : {&reference, &coarse_reference}) row->assign(n.lanes, 0.0);
@@ -31,12 +31,14 @@ struct Searched : Filled {
       row->assign(n.groups + n.width, 0.0);
     displacement.assign(n.padded_tiles() + n.width, 0.0);
     amplitudes.assign(2 * n.lanes, 0.0);
+    footprint.assign(n.footprint_terms, 0.0);
     CandidateLists& lists = s.work.candidates;
     lists.groups = groups.data(), lists.coarse_groups = coarse_groups.data();
     lists.tiles = tiles.data(), lists.tile_displacement = displacement.data();
     lists.reference_u = reference.data(), lists.coarse_reference_u = coarse_reference.data();
     lists.coarse_highest = coarse_highest.data();
     lists.coarse_displacement = coarse_displacement.data();
+    lists.footprint = footprint.data();
     s.work.amplitudes = amplitudes.data();
   }
   /// Of all nodes, by their number along a row and the row; displacements lane by lane.
@@ -58,16 +60,18 @@ std::vector<double> random_motion(const Searched& of, Dice& dice, double size) {
   return u;
 }
 
+template <int all>
 struct RealPacks {
-  Real u[packs];
+  Real u[all];
   explicit RealPacks(const std::vector<double>& of) {
-    for (int p = 0; p < packs; ++p) u[p] = lanes.load(of.data() + p * width);
+    for (int p = 0; p < all; ++p) u[p] = lanes.load(of.data() + p * width);
   }
 };
 
 /// While a list holds no other node comes into contact: wherever the slider stands within the
 /// spacing, and the modes within the range. Lists that follow one another share a coarse pass.
-TEST(Tiles, ListEveryNodeThatCanTouch) {
+template <int packs>
+void list_every_node_that_can_touch(int modes) {
   Dice dice(7);
   int touching = 0;
   std::size_t listed = 0, all = 0;
@@ -76,9 +80,10 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
     of.plate_heights = rough_map(37, 1201, 2e-6, 10 + scene);
     for (std::vector<double>& row : of.plate_heights)  // an asperity of one node here and there
       for (double& h : row) h += dice.one_in(100) ? dice.uniform(3e-6, 5e-6) : 0.0;
-    of.plate.modes = 12;
+    of.plate.modes = modes;
     of.side = dice.uniform(0, of.plate.width - of.block.width);
-    Searched searched(areal_march(of, schemes[0], 1e-8, 100).model);
+    Searched searched(areal_march(of, schemes[0], 1e-8, 100).model, packs);
+    ASSERT_EQ(searched.n.footprint_terms > 0, packs > 3);
     CandidateGroups<HostLanes, packs> groups = candidate_groups_of<packs>(searched.t, searched.s);
     // with far bends what the modes differ by within a tile counts
     const double far = std::pow(10, dice.uniform(-6.5, -3.5));
@@ -97,7 +102,7 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
     for (int step = 0; step < 30; ++step) {
       motion.position = 200 + 0.61 * step;
       Place place(motion, 0);
-      groups.find(RealPacks(u).u, place, range, 1e-14, 0.0);
+      groups.find(RealPacks<packs>(u).u, place, range, 1e-14, 0.0);
       std::set<int> nodes;
       for (int e = 0; e < groups.count(); ++e)
         for (int i = 0; i < width; ++i) nodes.insert(groups[e] * width + i);
@@ -122,6 +127,11 @@ TEST(Tiles, ListEveryNodeThatCanTouch) {
   }
   EXPECT_GT(touching, 200);
   EXPECT_LT(listed, all / 4);
+}
+TEST(Tiles, ListEveryNodeThatCanTouch) { list_every_node_that_can_touch<packs>(12); }
+/// The resonator's displacement comes from the footprint's polynomials.
+TEST(Tiles, OfManyModesListEveryNodeThatCanTouch) {
+  list_every_node_that_can_touch<(64 + width - 1) / width>(60);
 }
 
 }  // namespace
