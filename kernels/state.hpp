@@ -215,7 +215,7 @@ struct CandidateLists {
   double* coarse_reference_u = nullptr;   // modal displacements at which the coarse list was made
   int* tiles = nullptr;                   // areal scenes: of a band, that come close
   double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
-  double* footprint = nullptr;            // m, (term): of what moves the tiles
+  double* footprint = nullptr;            // m, (term): the resonator's, see Footprint::expand
   bool kept = false;                      // whether lists of nodes are (keeps_lists)
   int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
   // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed

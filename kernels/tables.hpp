@@ -41,7 +41,7 @@
 /// Windows. Over a fraction of chi (1/windows) a mode's shape at a moving node is a cubic of its
 /// offset, again to below the roundings. A node that is or could soon be in contact is expanded
 /// once a window. Its overlap and the modal force of its contact force are then one product over
-/// the modes each.
+/// the modes each. Where squares of nodes share their sums (ClusterTables) a window is all of chi.
 ///
 /// Time is counted in steps of a fixed scheme. The adaptive scheme chooses the length of its steps
 /// and counts in ticks, which are too short to change any answer: times are integers, and their

@@ -162,6 +162,7 @@ void Filler::numbers() {
   tables_.motion.spacing = scene_.spacing;
   tables_.motion.time_step = model_.tick;
   tables_.patches.inverse_radius = scene_.spacing / radius_;
+  // the polynomials of squares of nodes reach over a whole spacing (cluster_remainder)
   tables_.motion.windows =
       n_.cluster_degree > 0 && !is_adaptive(scene_) ? 1 : count_windows(model_);
   tables_.motion.window_width = 1.0 / tables_.motion.windows;
