@@ -16,7 +16,8 @@ inline std::string seconds_text(double s) {
   if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
   if (s < 120) return fmt::format("{:.3g} s", s);
   if (s < 7200) return fmt::format("{:.3g} min", s / 60);
-  return fmt::format("{:.3g} h", s / 3600);
+  if (s < 360000) return fmt::format("{:.3g} h", s / 3600);
+  return fmt::format("{:.3g} days", s / 86400);
 }
 
 /// Three digits, rounded down: what is copied into a scene still holds.

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "host/base/exit_status.hpp"
+#include "host/base/format.hpp"
 #include "host/base/text.hpp"
 
 namespace ra2d {
@@ -66,7 +67,8 @@ void show(std::string_view progress) {
 bool shows_progress(bool quiet) { return !quiet && isatty(STDERR_FILENO) != 0; }
 
 std::string clock_text(double seconds) {
-  if (!(seconds < 360000)) return "long";
+  if (std::isnan(seconds)) return "?";
+  if (seconds >= 360000) return seconds_text(seconds);
   const int s = static_cast<int>(std::ceil(seconds));
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);

@@ -37,7 +37,7 @@ void show(std::string_view progress);
 /// Whether progress is to be shown: on a terminal, unless `quiet`.
 bool shows_progress(bool quiet);
 
-/// A time [s] that is left: "4:05", "1:00:00".
+/// A time [s] that is left: "4:05", "1:00:00", "4.17 days", or "?" for NaN.
 std::string clock_text(double seconds);
 
 /// After the last print: the exit status, 4 for a run that was fine but could not be printed;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -90,7 +89,7 @@ int print_jobs(const StudyRuns& runs, const StudyWork& work, int threads) {
 
 void show_study_progress(const StudyProgress& p) {
   show(fmt::format("{} of {} runs   {} failed   {} running   {} left ", p.done + p.failed, p.runs,
-                   p.failed, p.running, std::isnan(p.left) ? "?" : clock_text(p.left)));
+                   p.failed, p.running, clock_text(p.left)));
 }
 
 StudyListener listener_of(const StudyRequest& request) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "host/base/errors.hpp"
+#include "host/base/format.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/key_facts.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -378,6 +379,17 @@ TEST(StudyUnits, AWrongUnitIsRefusedWithTheScene) {
       EXPECT_THAT(refused.what(), HasSubstr(fault));
     }
   }
+}
+
+TEST(SecondsText, IsInTheUnitThatSuits) {
+  for (const auto& [seconds, text] : {std::pair{2.5e-13, "0.25 ps"},
+                                      {4e-8, "40 ns"},
+                                      {0.25, "250 ms"},
+                                      {119.0, "119 s"},
+                                      {5400.0, "90 min"},
+                                      {90 * 3600.0, "90 h"},
+                                      {4.25 * 86400, "4.25 days"}})
+    EXPECT_EQ(seconds_text(seconds), text);
 }
 
 }  // namespace
