@@ -256,7 +256,7 @@ struct ActiveSet {
 
 /// Form::adaptive: coefficients of power series (kernels/adaptive/series.hpp).
 struct SeriesBuffers {
-  double* modes = nullptr;      // (order, lane)
+  double* modes = nullptr;      // (order, lane), then a row of zeros
   double* squares = nullptr;    // (order, lane): of the integral of V^2
   double* forces = nullptr;     // (order, lane): of the moving forces
   double* nodes = nullptr;      // (node in contact, 2, order): overlap, sliding rate
@@ -483,7 +483,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const auto lanes = static_cast<std::size_t>(n.lanes);
   const std::size_t nodes = n.padded_nodes(), groups = n.groups;
   const auto contacts = static_cast<std::size_t>(n.contacts);
-  visit("series", s.series.modes, (most_order + 1) * lanes);
+  visit("series", s.series.modes, (most_order + 2) * lanes);
   visit("square_series", s.series.squares, most_order * lanes);
   visit("force_series", s.series.forces, (most_order + 1) * lanes);
   visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);

@@ -128,7 +128,10 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.footprint_terms = footprint.terms();
   n.footprint_places = footprint.places;
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
-  n.samples = static_cast<int>(std::min<std::int64_t>(capacity.samples, model.samples));
+  const auto most_samples = static_cast<std::int64_t>(
+      std::max<std::size_t>(1, capacity.sample_bytes / (sizeof(double) * sample::row(lanes))));
+  n.samples =
+      static_cast<int>(std::min({std::int64_t{capacity.samples}, most_samples, model.samples}));
   n.shocks = capacity.shocks + n.runs();
   if (form_of(scene) == Form::implicit) {
     // under multipliers no more nodes than modes carry force

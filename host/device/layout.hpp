@@ -44,14 +44,16 @@ int cluster_degree(const Model& model, int width);
 /// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is
 /// more.
 struct Capacity {
-  int samples = 4096;  // no more than the run has
-  int shocks = 8192;   // beside what one step can end
+  int samples = 4096;                  // no more than the run has, or fill so many bytes:
+  std::size_t sample_bytes = 1 << 20;  // what a processor's cache keeps
+  int shocks = 8192;                   // beside what one step can end
   // where forces are found together, under the adaptive scheme, and in areal scenes
   int nodes = 64;
 };
 /// Of one of thousands on a GPU, where a launch makes a short way of each: what they hand out
 /// stands in memory of the host that cannot be swapped.
-inline constexpr Capacity capacity_on_a_gpu{.samples = 1024, .shocks = 1024, .nodes = 64};
+inline constexpr Capacity capacity_on_a_gpu{
+    .samples = 1024, .sample_bytes = 1 << 23, .shocks = 1024, .nodes = 64};
 
 /// Lengths of all arrays of a scene whose modes fill `lanes` lanes.
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,

@@ -77,17 +77,19 @@ class ContactClusters {
   /// Whether the nodes in contact stand in clusters now.
   KOKKOS_FORCEINLINE_FUNCTION bool exist() const { return count_ > 0; }
 
-  /// The overlaps' terms of order j, from the modes' terms c [packs] of that order (none beyond the
-  /// series' last), and with `drives` the force on the modes, added to `force`. `advance` [chi per
-  /// x]. Orders follow one another from 0 on.
-  template <int degree>
-  KOKKOS_FORCEINLINE_FUNCTION void expand(int j, const Real* c, bool drives, double advance,
-                                          Real* force) const {
+  /// The overlaps' terms of the orders j and j + 1, from the modes' terms of these, c(0, pack) and
+  /// c(-1, pack) (zero beyond the series' last), and with `drives` the forces on the modes, added
+  /// to `force`. `advance` [chi per x]. Orders follow one another from 0 on.
+  template <int degree, class Terms>
+  KOKKOS_FORCEINLINE_FUNCTION void expand(int j, const Terms& c, bool drives, double advance,
+                                          Real (&force)[2][packs]) const {
     for (int s = 0; s < count_; ++s) sum_modes<degree>(s, j, c);
     lanes_.sync();
-    for (int s = 0; s < count_; ++s) shift<degree>(s, j, advance);
+    for (int s = 0; s < count_; ++s)
+      for (int q = 0; q < 2; ++q) shift<degree>(s, j + q, advance);
     lanes_.sync();
-    for (int s = 0; s < count_; ++s) overlaps<degree>(s, j, drives, advance);
+    for (int s = 0; s < count_; ++s)
+      for (int q = 0; q < 2; ++q) overlaps<degree>(s, j + q, drives, advance);
     lanes_.sync();
     if (!drives) return;
     for (int s = 0; s < count_; ++s) add_force<degree>(s, j, advance, force);
@@ -355,10 +357,11 @@ class ContactClusters {
     }
   }
 
-  /// M_ab of order j.
-  template <int degree>
-  KOKKOS_FORCEINLINE_FUNCTION void sum_modes(int s, int j, const Real* c) const {
-    sum_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, columns(s), c, moments(s, j));
+  /// M_ab of the orders j and j + 1.
+  template <int degree, class Terms>
+  KOKKOS_FORCEINLINE_FUNCTION void sum_modes(int s, int j, const Terms& c) const {
+    sum_at_cluster_place<degree, 2, Lanes, packs>(
+        lanes_, slider_, columns(s), [&](int q, int p) { return c(-q, p); }, moments(s, j));
   }
 
   /// P_ab of order j.
@@ -422,22 +425,26 @@ class ContactClusters {
     to[cluster_own] = q[sums];
   }
 
-  /// Adds the force on the modes of order j.
+  /// Adds the forces on the modes of the orders j and j + 1.
   template <int degree>
-  KOKKOS_FORCEINLINE_FUNCTION void add_force(int s, int j, double advance, Real* force) const {
-    constexpr int sums = cluster_sums(degree);
-    double r[sums];
-    for (int b = 0; b <= degree; ++b)
-      for (int a = degree - b; a >= 0; --a) {
-        double sum = forces(s, j)[term_of(a, b)], factor = 1.0;
-        for (int i = 1; i <= a && i <= j; ++i) {
-          factor *= advance * (a - i + 1) / i;
-          sum = Kokkos::fma(factor, forces(s, j - i)[term_of(a - i, b)], sum);
+  KOKKOS_FORCEINLINE_FUNCTION void add_force(int s, int first, double advance,
+                                             Real (&force)[2][packs]) const {
+    double r[2][cluster_sums(degree)], own[2];
+    for (int q = 0; q < 2; ++q) {
+      const int j = first + q;
+      for (int b = 0; b <= degree; ++b)
+        for (int a = degree - b; a >= 0; --a) {
+          double sum = forces(s, j)[term_of(a, b)], factor = 1.0;
+          for (int i = 1; i <= a && i <= j; ++i) {
+            factor *= advance * (a - i + 1) / i;
+            sum = Kokkos::fma(factor, forces(s, j - i)[term_of(a - i, b)], sum);
+          }
+          r[q][term_of(a, b)] = -stiffness_ * sum;
         }
-        r[term_of(a, b)] = -stiffness_ * sum;
-      }
-    const double own = -stiffness_ * forces(s, j)[cluster_own];
-    add_force_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, columns(s), r, own, force);
+      own[q] = -stiffness_ * forces(s, j)[cluster_own];
+    }
+    add_force_at_cluster_place<degree, 2, Lanes, packs>(lanes_, slider_, columns(s), r, own,
+                                                        {force[0], force[1]});
   }
 };
 

@@ -293,25 +293,25 @@ class ModalSeries {
     double* shape = buffers_.one_shape;
     place_shape(node, place.offset, advance, shape);
     const int n = degree();
-    for (int j = 0; j <= n; j += 2) {  // by two: each shape that is read serves both
-      Real product(0.0), following(0.0);
-      for (int i = 0; i <= 3 && i <= j + 1; ++i)
+    for (int j = 0; j <= n; j += 4) {  // by four: each shape that is read serves all
+      Real product[4] = {Real(0.0), Real(0.0), Real(0.0), Real(0.0)};
+      for (int i = 0; i <= 3; ++i) {
+        const double* terms[4];
+        for (int q = 0; q < 4; ++q) terms[q] = row_of(j + q - i);
         for (int p = 0; p < filled<packs>(lanes_); ++p) {
           const Real phi = load_pack(lanes_, shape + i * row, p);
-          if (i <= j && j - i <= adaptive_.order)
-            product = multiply_add(phi, coefficient(j - i, p), product);
-          if (j < n && j + 1 - i <= adaptive_.order)
-            following = multiply_add(phi, coefficient(j + 1 - i, p), following);
+          for (int q = 0; q < 4; ++q)
+            product[q] = multiply_add(phi, load_pack(lanes_, terms[q], p), product[q]);
         }
-      double even, odd;
-      lanes_.sum(product, following, even, odd);
+      }
+      double sums[4];
+      four_sums_in_pairs(lanes_, product, sums);
       if (j == 0) {
-        even += node_contact_.face(node, place.theta);
-        odd += node_contact_.rise(node) * advance;
+        sums[0] += node_contact_.face(node, place.theta);
+        sums[1] += node_contact_.rise(node) * advance;
       }
       if (!lanes_.leader()) continue;
-      c[j] = even;
-      if (j < n) c[j + 1] = odd;
+      for (int q = 0; q < 4; ++q) c[j + q] = sums[q];
     }
     lanes_.sync();
   }
@@ -427,85 +427,140 @@ class ModalSeries {
       }
   }
 
-  /// Contacts whose sums over many packs of modes are found side by side: one by itself waits for
-  /// each addition.
-  static constexpr int side_by_side = packs > 3 && width < 32 ? 4 : 1;
+  /// Contacts whose sums over many packs of modes are found at once: one by itself waits for each
+  /// addition.
+  static constexpr int at_once = packs > 3 && width < 32 ? 2 : 1;
 
-  /// Terms of order j of the overlaps of `count` contacts from e on, and of their sliding rates,
-  /// from the modes' terms c0 to c3 of the orders j to j - 3. Adds their springs' force on the
-  /// modes, of order j.
+  /// The modes' terms of the orders j + 1 to j - 3, for the orders j and j + 1 of what follows from
+  /// them: of few packs in registers, of many where the series stands.
+  class LatestTerms {
+   public:
+    RA2D_FUNCTION explicit LatestTerms(const ModalSeries& series) : series_{series} { go_to(0); }
+    /// Of order j - `before`, from -1 to 3; zero outside the series.
+    KOKKOS_FORCEINLINE_FUNCTION Real operator()(int before, int p) const {
+      if constexpr (in_registers)
+        return kept_[before + 1][p];
+      else
+        return load_pack(series_.lanes_, rows_[before + 1], p);
+    }
+    /// Those of the orders j + 2 and j + 3 are known.
+    KOKKOS_FORCEINLINE_FUNCTION void take(int p, const Real& even, const Real& odd) {
+      if constexpr (in_registers) {
+        kept_[4][p] = kept_[2][p];
+        kept_[3][p] = kept_[1][p];
+        kept_[2][p] = kept_[0][p];
+        kept_[1][p] = even;
+        kept_[0][p] = odd;
+      }
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void go_to(int j) {
+      if constexpr (in_registers) {
+        if (j > 0) return;
+        for (int p = 0; p < filled<packs>(series_.lanes_); ++p) {
+          kept_[0][p] = series_.coefficient(1, p);
+          kept_[1][p] = series_.coefficient(0, p);
+          kept_[2][p] = kept_[3][p] = kept_[4][p] = Real(0.0);
+        }
+      } else {
+        for (int i = 0; i < 5; ++i) rows_[i] = series_.row_of(j + 1 - i);
+      }
+    }
+
+   private:
+    static constexpr bool in_registers = packs <= 3;
+    const ModalSeries& series_;
+    Real kept_[5][in_registers ? packs : 1];
+    const double* rows_[5];
+  };
+  /// The modes' terms of an order; zeros outside the series.
+  KOKKOS_FORCEINLINE_FUNCTION const double* row_of(int order) const {
+    return buffers_.modes + (order < 0 || order > adaptive_.order ? most_order + 1 : order) * row;
+  }
+
+  /// Terms of the orders j and j + 1 of the overlaps of `count` contacts from e on, and of their
+  /// sliding rates. Adds their springs' force on the modes, of these orders.
   template <int terms, int count>
   KOKKOS_FORCEINLINE_FUNCTION void expand_contacts(int e, int j, const Place& place, double advance,
-                                                   const Real* c0, const Real* c1, const Real* c2,
-                                                   const Real* c3, Real* force) {
+                                                   const LatestTerms& c, Real (&force)[2][packs]) {
     const double* const shapes = buffers_.shapes + e * (4 * row);
     const auto phi = [&](int i, int term, int p) {
       return load_pack(lanes_, shapes + i * (4 * row) + term * row, p);
     };
     const int modal_packs = filled<packs>(lanes_);
-    Real product[count], second[count], third[count], rising[count];
-    for (int i = 0; i < count; ++i) product[i] = second[i] = third[i] = Real(0.0);
-    // the latest order last: it is the one to wait for
+    Real product[count][2], second[count][2], third[count][2], rising[count][2];
+    for (int i = 0; i < count; ++i)
+      for (int q = 0; q < 2; ++q) product[i][q] = second[i][q] = third[i][q] = Real(0.0);
+    // the latest orders last: they are those to wait for
     for (int p = 0; p < modal_packs; ++p)
-      for (int i = 0; i < count; ++i) {
-        if constexpr (terms > 3) {
-          product[i] = multiply_add(phi(i, 3, p), c3[p], product[i]);
-          third[i] = multiply_add(phi(i, 3, p), c2[p], third[i]);
+      for (int i = 0; i < count; ++i)
+        for (int q = 0; q < 2; ++q) {
+          if constexpr (terms > 3) {
+            product[i][q] = multiply_add(phi(i, 3, p), c(3 - q, p), product[i][q]);
+            third[i][q] = multiply_add(phi(i, 3, p), c(2 - q, p), third[i][q]);
+          }
+          if constexpr (terms > 2) {
+            product[i][q] = multiply_add(phi(i, 2, p), c(2 - q, p), product[i][q]);
+            second[i][q] = multiply_add(phi(i, 2, p), c(1 - q, p), second[i][q]);
+          }
+          product[i][q] = multiply_add(phi(i, 1, p), c(1 - q, p), product[i][q]);
         }
-        if constexpr (terms > 2) {
-          product[i] = multiply_add(phi(i, 2, p), c2[p], product[i]);
-          second[i] = multiply_add(phi(i, 2, p), c1[p], second[i]);
-        }
-        product[i] = multiply_add(phi(i, 1, p), c1[p], product[i]);
+    for (int i = 0; i < count; ++i)
+      for (int q = 0; q < 2; ++q) {
+        rising[i][q] = Real(2.0) * second[i][q];
+        if constexpr (terms > 3) rising[i][q] = multiply_add(Real(3.0), third[i][q], rising[i][q]);
       }
-    for (int i = 0; i < count; ++i) {
-      rising[i] = Real(2.0) * second[i];
-      if constexpr (terms > 3) rising[i] = multiply_add(Real(3.0), third[i], rising[i]);
-    }
     for (int p = 0; p < modal_packs; ++p)
-      for (int i = 0; i < count; ++i) {
-        product[i] = multiply_add(phi(i, 0, p), c0[p], product[i]);
-        rising[i] = multiply_add(phi(i, 1, p), c0[p], rising[i]);
-      }
-    double overs[count];
+      for (int i = 0; i < count; ++i)
+        for (int q = 0; q < 2; ++q) {
+          product[i][q] = multiply_add(phi(i, 0, p), c(-q, p), product[i][q]);
+          rising[i][q] = multiply_add(phi(i, 1, p), c(-q, p), rising[i][q]);
+        }
+    double overs[count][2];
     for (int i = 0; i < count; ++i) {
-      double over, sliding;
-      lanes_.sum(product[i], rising[i], over, sliding);
-      const int node = contacts_.nodes[e + i];
+      double sums[4];
+      four_sums_in_pairs(lanes_, {product[i][0], rising[i][0], product[i][1], rising[i][1]}, sums);
       if (j == 0) {
-        over += node_contact_.face(node, place.theta);
-        sliding += node_contact_.rise(node) * advance;
-      } else if (j == 1) {
-        over += node_contact_.rise(node) * advance;
+        const int node = contacts_.nodes[e + i];
+        const double rise = node_contact_.rise(node) * advance;
+        sums[0] += node_contact_.face(node, place.theta);
+        sums[1] += rise;
+        sums[2] += rise;
       }
-      overs[i] = over;
-      if (lanes_.leader()) {
-        overlap(e + i)[j] = over;
-        sliding_rate(e + i)[j] = sliding;
-      }
+      overs[i][0] = sums[0];
+      overs[i][1] = sums[2];
+      if (lanes_.leader())
+        for (int q = 0; q < 2; ++q) {
+          overlap(e + i)[j + q] = sums[2 * q];
+          sliding_rate(e + i)[j + q] = sums[2 * q + 1];
+        }
     }
     lanes_.sync();
     if (j + 2 <= adaptive_.order) add_contact_forces<terms, count>(e, j, overs, force);
   }
-  /// Adds the springs' force of these contacts, of order j; `overs`: the overlaps' terms of it.
+  /// Adds the springs' force of these contacts, of the orders j and j + 1; `overs`: the overlaps'
+  /// terms of these.
   template <int terms, int count>
-  KOKKOS_FORCEINLINE_FUNCTION void add_contact_forces(int e, int j, const double* overs,
-                                                      Real* force) const {
+  KOKKOS_FORCEINLINE_FUNCTION void add_contact_forces(int e, int j, const double (&overs)[count][2],
+                                                      Real (&force)[2][packs]) const {
     const double* const shapes = buffers_.shapes + e * (4 * row);
-    double f[count][4];  // of the orders j to j - 3
+    double f[count][terms + 1];  // of the orders j + 1 to j + 1 - terms
     for (int i = 0; i < count; ++i) {
       const double* const o = overlap(e + i);
-      f[i][0] = -contact_.node_stiffness * overs[i];
+      f[i][0] = -contact_.node_stiffness * overs[i][1];
+      f[i][1] = -contact_.node_stiffness * overs[i][0];
       for (int before = 1; before < terms; ++before)
-        f[i][before] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
+        f[i][before + 1] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
     }
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real sum = force[p];
+      Real sum[2] = {force[0][p], force[1][p]};
       for (int i = 0; i < count; ++i)
-        for (int term = terms - 1; term >= 0; --term)
-          sum = multiply_add(f[i][term], load_pack(lanes_, shapes + i * (4 * row) + term * row, p),
-                             sum);
-      force[p] = sum;
+        for (int term = terms - 1; term >= 0; --term) {
+          const Real phi = load_pack(lanes_, shapes + i * (4 * row) + term * row, p);
+          sum[0] = multiply_add(f[i][term + 1], phi, sum[0]);
+          sum[1] = multiply_add(f[i][term], phi, sum[1]);
+        }
+      force[0][p] = sum[0];
+      force[1][p] = sum[1];
     }
   }
 
@@ -555,58 +610,62 @@ class ModalSeries {
   /// Bound on what is left out of an overlap, as a share of the tolerance times the modes' way.
   static constexpr double bearable_share = 0.03;
 
-  /// `terms` of the shapes at a node; of clusters, the degree of their polynomials.
+  /// `terms` of the shapes at a node; of clusters, the degree of their polynomials. By two orders:
+  /// the second of them needs nothing of the first but its terms of the modes.
   template <int terms, bool in_clusters = false>
   RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
     const int order = adaptive_.order, contacts = contacts_.count;
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
-    Real c0[packs], c1[packs], c2[packs], c3[packs],
-        next[packs];  // of order j, j - 1, j - 2, j - 3, j + 1
     Real stiff[packs], decay[packs], inverse_mass[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      c0[p] = u[p];
-      next[p] = Real(scale) * v[p];
-      c1[p] = c2[p] = c3[p] = Real(0.0);
-      put(0, p, c0[p]);
-      put(1, p, next[p]);
+      put(0, p, u[p]);
+      put(1, p, Real(scale) * v[p]);
       const Real turn = Real(scale) * load_pack(lanes_, modes_.omega, p);
       stiff[p] = turn * turn;
       decay[p] = Real(scale) * load_pack(lanes_, adaptive_.decay, p);
       inverse_mass[p] = Real(scale * scale) * load_pack(lanes_, adaptive_.inverse_mass, p);
     }
+    LatestTerms c(*this);
     const int last = contacts > 0 ? degree() : order - 2;
-    for (int j = 0; j <= last; ++j) {
-      Real force[packs];
-      for (int p = 0; p < filled<packs>(lanes_); ++p)
-        force[p] = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
-      if (forces_.count > 0 && j <= order)
-        for (int p = 0; p < filled<packs>(lanes_); ++p)
-          force[p] = force[p] + load_pack(lanes_, buffers_.forces + j * row, p);
+    for (int j = 0; j <= last; j += 2) {
+      Real force[2][packs];
+      for (int p = 0; p < filled<packs>(lanes_); ++p) {
+        force[0][p] = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
+        force[1][p] = Real(0.0);
+      }
+      if (forces_.count > 0)
+        for (int q = 0; q < 2; ++q)
+          if (j + q <= order)
+            for (int p = 0; p < filled<packs>(lanes_); ++p)
+              force[q][p] = force[q][p] + load_pack(lanes_, buffers_.forces + (j + q) * row, p);
       if constexpr (in_clusters) {
-        clusters_.template expand<terms>(j, c0, j + 2 <= order, advance, force);
+        clusters_.template expand<terms>(j, c, j + 2 <= order, advance, force);
       } else {
         int e = 0;
-        if constexpr (side_by_side > 1)
-          for (; e + side_by_side <= contacts; e += side_by_side)
-            expand_contacts<terms, side_by_side>(e, j, place, advance, c0, c1, c2, c3, force);
-        for (; e < contacts; ++e)
-          expand_contacts<terms, 1>(e, j, place, advance, c0, c1, c2, c3, force);
+        if constexpr (at_once > 1)
+          for (; e + at_once <= contacts; e += at_once)
+            expand_contacts<terms, at_once>(e, j, place, advance, c, force);
+        for (; e < contacts; ++e) expand_contacts<terms, 1>(e, j, place, advance, c, force);
       }
-      const Real share(1.0 / ((j + 1.0) * (j + 2.0))), rank(j + 1.0);
+      const auto after = [&](int i, const Real& term, const Real& next, const Real& f, int p) {
+        const Real share(1.0 / ((i + 1.0) * (i + 2.0))), rank(i + 1.0);
+        const Real pulled = multiply_add(stiff[p], term, rank * decay[p] * next);
+        return share * multiply_add(inverse_mass[p], f, Real(-1.0) * pulled);
+      };
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        Real after(0.0);  // of order j + 2; what is beyond the last is zero
+        Real even(0.0), odd(0.0);  // of order j + 2 and j + 3; what is beyond the last is zero
         if (j + 2 <= order) {
-          const Real pulled = multiply_add(stiff[p], c0[p], rank * decay[p] * next[p]);
-          after = share * multiply_add(inverse_mass[p], force[p], Real(-1.0) * pulled);
-          put(j + 2, p, after);
+          even = after(j, c(0, p), c(-1, p), force[0][p], p);
+          put(j + 2, p, even);
         }
-        c3[p] = c2[p];
-        c2[p] = c1[p];
-        c1[p] = c0[p];
-        c0[p] = next[p];
-        next[p] = after;
+        if (j + 3 <= order) {
+          odd = after(j + 1, c(-1, p), even, force[1][p], p);
+          put(j + 3, p, odd);
+        }
+        c.take(p, even, odd);
       }
+      c.go_to(j + 2);
     }
   }
 

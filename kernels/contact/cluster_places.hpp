@@ -66,46 +66,66 @@ RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& 
   }
 }
 
-/// M_ab = sum_k Phi_kab c_k to `to` (cluster_rows), `phi` as expand_cluster_place leaves it.
-template <int degree, class Lanes, int packs>
+/// M_ab = sum_k Phi_kab c_k to `to` (number, cluster_rows), of each of `count` states of the modes,
+/// c(number, pack). `phi` as expand_cluster_place leaves it.
+template <int degree, int count, class Lanes, int packs, class Modes>
 KOKKOS_FORCEINLINE_FUNCTION void sum_at_cluster_place(const Lanes& lanes,
                                                       const SliderShapes& slider, const double* phi,
-                                                      const typename Lanes::Real* c, double* to) {
+                                                      const Modes& c, double* to) {
   using Real = typename Lanes::Real;
   constexpr int width = Lanes::width, row = packs * width, sums = cluster_sums(degree);
-  Real part[sums + 1];
-  for (int t = 0; t <= sums; ++t) part[t] = Real(0.0);
+  Real part[sums + 1][count];
+  for (int t = 0; t <= sums; ++t)
+    for (int q = 0; q < count; ++q) part[t][q] = Real(0.0);
   const int modal_packs = filled<packs>(lanes);
-  for (int p = 0; p < modal_packs; ++p)
-    for (int t = 0; t < sums; ++t)
-      part[t] = multiply_add(load_pack(lanes, phi + t * row, p), c[p], part[t]);
-  for (int p = slider.first_lane / width; p < modal_packs; ++p)
-    part[sums] = multiply_add(load_pack(lanes, phi + cluster_own * row, p), c[p], part[sums]);
-  double m[sums + 2];
-  for (int t = 0; t <= sums; t += 2)
-    lanes.sum(part[t], t < sums ? part[t + 1] : Real(0.0), m[t], m[t + 1]);
-  if (!lanes.leader()) return;
-  for (int t = 0; t < sums; ++t) to[t] = m[t];
-  to[cluster_own] = m[sums];
+  // with few registers half of the sums at once
+  constexpr int block = count > 1 && width < 8 ? (sums + 1) / 2 : sums;
+  for (int from = 0; from < sums; from += block)
+    for (int p = 0; p < modal_packs; ++p) {
+      Real mode[count];
+      for (int q = 0; q < count; ++q) mode[q] = c(q, p);
+      for (int t = from; t < from + block && t < sums; ++t) {
+        const Real shape = load_pack(lanes, phi + t * row, p);
+        for (int q = 0; q < count; ++q) part[t][q] = multiply_add(shape, mode[q], part[t][q]);
+      }
+    }
+  for (int p = slider.first_lane / width; p < modal_packs; ++p) {
+    const Real shape = load_pack(lanes, phi + cluster_own * row, p);
+    for (int q = 0; q < count; ++q) part[sums][q] = multiply_add(shape, c(q, p), part[sums][q]);
+  }
+  for (int q = 0; q < count; ++q) {
+    double m[sums + 2];
+    for (int t = 0; t <= sums; t += 2)
+      lanes.sum(part[t][q], t < sums ? part[t + 1][q] : Real(0.0), m[t], m[t + 1]);
+    if (!lanes.leader()) continue;
+    double* const row_of = to + q * cluster_rows;
+    for (int t = 0; t < sums; ++t) row_of[t] = m[t];
+    row_of[cluster_own] = m[sums];
+  }
 }
-/// Adds sum_ab Phi_kab r_ab, and `own` times the slider's slopes, to the forces on the modes.
-template <int degree, class Lanes, int packs>
-KOKKOS_FORCEINLINE_FUNCTION void add_force_at_cluster_place(const Lanes& lanes,
-                                                            const SliderShapes& slider,
-                                                            const double* phi, const double* r,
-                                                            double own,
-                                                            typename Lanes::Real* force) {
+/// Adds sum_ab Phi_kab r_ab, and `own` times the slider's slopes, to each of `count` forces on the
+/// modes: `r` (number, cluster_sums), `own` and `force` (number).
+template <int degree, int count, class Lanes, int packs>
+KOKKOS_FORCEINLINE_FUNCTION void add_force_at_cluster_place(
+    const Lanes& lanes, const SliderShapes& slider, const double* phi,
+    const double (&r)[count][cluster_sums(degree)], const double (&own)[count],
+    typename Lanes::Real* const (&force)[count]) {
   using Real = typename Lanes::Real;
   constexpr int width = Lanes::width, row = packs * width;
   const int modal_packs = filled<packs>(lanes);
   for (int p = 0; p < modal_packs; ++p) {
-    Real sum = force[p];
-    for (int t = 0; t < cluster_sums(degree); ++t)
-      sum = multiply_add(r[t], load_pack(lanes, phi + t * row, p), sum);
-    force[p] = sum;
+    Real sum[count];
+    for (int q = 0; q < count; ++q) sum[q] = force[q][p];
+    for (int t = 0; t < cluster_sums(degree); ++t) {
+      const Real shape = load_pack(lanes, phi + t * row, p);
+      for (int q = 0; q < count; ++q) sum[q] = multiply_add(r[q][t], shape, sum[q]);
+    }
+    for (int q = 0; q < count; ++q) force[q][p] = sum[q];
   }
-  for (int p = slider.first_lane / width; p < modal_packs; ++p)
-    force[p] = multiply_add(own, load_pack(lanes, phi + cluster_own * row, p), force[p]);
+  for (int p = slider.first_lane / width; p < modal_packs; ++p) {
+    const Real shape = load_pack(lanes, phi + cluster_own * row, p);
+    for (int q = 0; q < count; ++q) force[q][p] = multiply_add(own[q], shape, force[q][p]);
+  }
 }
 
 }  // namespace ra2d

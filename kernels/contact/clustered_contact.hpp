@@ -211,8 +211,9 @@ class ClusteredContact {
   /// M_ab of a square; its R_ab begin at zero.
   template <int degree>
   KOKKOS_FORCEINLINE_FUNCTION void sum_modes(int s, const double* phi, const Real* u) const {
-    sum_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, phi, u,
-                                               squares_.moments + s * cluster_rows);
+    sum_at_cluster_place<degree, 1, Lanes, packs>(
+        lanes_, slider_, phi, [&](int, int p) { return u[p]; },
+        squares_.moments + s * cluster_rows);
     if (!lanes_.leader()) return;
     for (int t = 0; t < cluster_rows; ++t) squares_.forces[s * cluster_rows + t] = 0.0;
   }
@@ -278,10 +279,10 @@ class ClusteredContact {
   KOKKOS_FORCEINLINE_FUNCTION void add_force(int s, const double* phi, Real* force) const {
     constexpr int sums = cluster_sums(degree);
     const double* const pressing = squares_.forces + s * cluster_rows;
-    double r[sums];
-    for (int t = 0; t < sums; ++t) r[t] = -pressing[t];
-    add_force_at_cluster_place<degree, Lanes, packs>(lanes_, slider_, phi, r,
-                                                     -pressing[cluster_own], force);
+    double r[1][sums];
+    for (int t = 0; t < sums; ++t) r[0][t] = -pressing[t];
+    add_force_at_cluster_place<degree, 1, Lanes, packs>(lanes_, slider_, phi, r,
+                                                        {-pressing[cluster_own]}, {force});
   }
 };
 

@@ -85,7 +85,7 @@ struct Bodies {
     t.adaptive.inverse_mass = inverse_mass.data(), t.adaptive.passing_rate = wander.data(),
     t.adaptive.fastest_rate = turn.data();
     t.bounds.largest_shape = largest_shape.data(), t.bounds.cubic_remainder = tail.data();
-    series.resize((most_order + 1) * modes), squares.resize(most_order * modes);
+    series.resize((most_order + 2) * modes), squares.resize(most_order * modes);
     node_series.resize(nodes * 2 * overlap_terms), closed_shape.resize(nodes * 4 * modes);
     scan_shape.resize(4 * modes), scan.resize(overlap_terms);
     for (int n = 0; n < touching; ++n) closed.push_back(n);
