@@ -138,9 +138,11 @@ struct ContactSet {
 
 /// Form::adaptive: what the next step starts with.
 struct StepControl {
-  int shape_terms = 2;      // of the shapes at a node, which the latest step with contact needed
-  double series_scale = 0;  // s, guess at the length of the next step with forces
-  int flight_level = 0;     // of the next flight: 2^level ticks
+  int shape_terms = 2;       // of the shapes at a node, which the latest step with contact needed
+  int raised = 0;            // of the series: 2 raised more orders than usual
+  double used_share = 0.45;  // mean share of its usable length that a step with contact has made
+  double series_scale = 0;   // s, guess at the length of the next step with forces
+  int flight_level = 0;      // of the next flight: 2^level ticks
   // smooth faces
   bool contact_begins = false;  // at the beginning of the next step
   // s after that: when a contact is expected to begin, and to end
@@ -262,6 +264,7 @@ struct SeriesBuffers {
   double* nodes = nullptr;      // (node in contact, 2, order): overlap, sliding rate
   double* shapes = nullptr;     // (node in contact, 4, lane)
   double* one_shape = nullptr;  // (4, lane): of one more node
+  double* moments = nullptr;    // (node in contact, moment_numbers): M_t of the latest three orders
 };
 
 /// Form::adaptive: clusters of nodes in contact (kernels/adaptive/contact_clusters.hpp). Their
@@ -489,6 +492,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);
   visit("contact_shapes", s.series.shapes, contacts * 4 * lanes);
   visit("one_shape", s.series.one_shape, 4 * lanes);
+  visit("node_moments", s.series.moments, n.cluster_degree > 0 ? contacts * moment_numbers : 0);
   visit("polynomial", s.search.polynomial, std::size_t{overlap_terms});
   visit("bernstein", s.search.bernstein, std::size_t{2 * overlap_terms});
   visit("hulls", s.spans.hulls, contacts);

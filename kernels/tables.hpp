@@ -94,10 +94,16 @@ enum FlightRow : int {
 inline constexpr int most_order = 28;
 /// Terms of an overlap's series: the mode shapes along the slider's path are cubics.
 inline constexpr int overlap_terms = most_order + 4;
+/// Sums of each of a shape's four terms that three orders leave to the next ones.
+inline constexpr int moment_numbers = 12;
+/// Length of a table of Bernstein coefficients, one for each order of the series: (coefficient,
+/// overlap_terms), then two masks.
+inline constexpr int hull_length = (overlap_terms + 2) * overlap_terms;
 /// Points of the Gauss-Legendre rule over an adaptive step. Eight are exact to the 15th power, and
 /// off by 3.6e-10 of the 16th. A motion that carries most of the energy turns by no more than theta
 /// = 1.8 as far as the error control lets a series go: of the product of two such the 16th power is
-/// below (2 theta)^16/16! = 4e-5. What turns further is too small a part to matter.
+/// below (2 theta)^16/16! = 4e-5. Of a raised order (StepControl) it turns by up to 4.3, of which
+/// the rule leaves out 2e-8. What turns further is too small a part to matter.
 inline constexpr int gauss_points = 8;
 /// Length of each of the rule's two rows, points and weights, padded for any number of lanes.
 inline constexpr int gauss_row = 32;
@@ -189,6 +195,7 @@ struct Extents {
   int listed = 0;               // nodes that can be evaluated at once: all, in plane scenes
   int active = 0;               // nodes that can carry force at once under Form::implicit
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
+  int higher_orders = 0;        // SeriesTables::most_raised
   int cluster_degree = 0;       // ClusterTables::degree
   int footprint_terms = 0, footprint_places = 0;  // FootprintTables
 
@@ -211,6 +218,7 @@ struct Extents {
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
+  std::size_t series_orders() const { return 1 + static_cast<std::size_t>(higher_orders); }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
   std::size_t shape_rows() const { return smooth ? 7 : 4; }
   std::size_t face_numbers() const { return smooth ? 12 : 2; }
@@ -388,14 +396,15 @@ struct MotionLimits {
 /// The series of an adaptive step.
 struct SeriesTables {
   double tolerance = 0;                  // relative local error of a step
-  int order = 0;                         // of the series
+  int order = 0;                         // of the series, but for StepControl::raised
+  int most_raised = 0;                   // of that
   double longest_scale = 0;              // s, unit of a series beyond which its terms may overflow
   double cubic_excess = 1;               // derivatives of a mode's cubic over a patch, over its own
   const double* decay = nullptr;         // 1/s, 2 zeta omega
   const double* fastest_rate = nullptr;  // 1/s, bound on |(omega U, V)'|/|(omega U, V)|
   const double* passing_rate = nullptr;  // 1/s, speed times the largest wave number of a mode
   const double* inverse_mass = nullptr;  // m/kg
-  const double* hull = nullptr;          // (coefficient, overlap_terms): see Hull; then two masks
+  const double* hull = nullptr;          // (order, coefficient, overlap_terms): see Hull
   const double* gauss = nullptr;         // points in (0, 1), then weights: two rows of gauss_row
 };
 
@@ -501,7 +510,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   visit("passing_rate", t.adaptive.passing_rate, lanes);
   visit("inverse_mass", t.adaptive.inverse_mass, lanes);
   if (n.cluster_degree > 0) visit("cluster_remainder", t.clusters.remainder, lanes);
-  visit("hull", t.adaptive.hull, std::size_t{(overlap_terms + 2) * overlap_terms});
+  visit("hull", t.adaptive.hull, n.series_orders() * std::size_t{hull_length});
   visit("gauss", t.adaptive.gauss, std::size_t{2 * gauss_row});
   if (n.smooth) visit("collocation", t.collocation.paces, std::size_t{paces * pace_numbers});
 }

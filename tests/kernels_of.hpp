@@ -94,7 +94,7 @@ ModalSeries<HostLanes, packs> series_of(const SceneTables& t, SceneState& s,
           node_contact_of<packs>(t, s, on),
           clusters_of<packs>(t, s, on),
           s.carried.contacts,
-          s.carried.control.shape_terms,
+          s.carried.control,
           s.work.series,
           s.work.spans.hulls};
 }
@@ -119,9 +119,8 @@ Overlaps<HostLanes, packs> overlaps_of(const SceneTables& t, SceneState& s) {
 }
 
 template <int packs>
-Contacts<HostLanes, packs> contacts_of(const SceneTables& t, SceneState& s) {
+Contacts<HostLanes, packs> contacts_of(SceneState& s) {
   return {lanes,
-          t.adaptive,
           s.carried.contacts,
           s.work.spans,
           s.work.listed_nodes,

@@ -532,7 +532,9 @@ void Filler::adaptive() {
   double* const gauss = host_(tables_.adaptive.gauss);
   std::copy_n(gauss_place, gauss_points, gauss);
   std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
-  fill_hull(host_(tables_.adaptive.hull), tables_.adaptive.order + 3);
+  tables_.adaptive.most_raised = n_.higher_orders;
+  for (int i = 0; i < static_cast<int>(n_.series_orders()); ++i)
+    fill_hull(host_(tables_.adaptive.hull) + i * hull_length, tables_.adaptive.order + 2 * i + 3);
   if (n_.smooth) fill_collocation(host_(tables_.collocation.paces));
   tables_.collocation.cells_share = n_.smooth && neighbours_share(model_);
   // where contact ends at the share 1 - e of a step, its formula is off by some e^2.5 of the

@@ -122,6 +122,10 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
     n.contacts = std::min(n.listed, capacity.nodes);
+    if (model.is_areal && !n.smooth && scene.resonator.moving_forces.empty()) {
+      const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
+      n.higher_orders = std::min(4, (most_order - order) / 2);
+    }
   }
   n.cluster_degree = cluster_degree(model, width);
   const FootprintShape footprint = choose_footprint(model, width);

@@ -94,6 +94,9 @@ std::string fault_of(const SavedState& saved, const Extents& n, std::int64_t ste
   }
   if (!is_within(s.begin.count, 0, n.contacts)) return "its cells with force are too many";
   if (!is_within(s.control.shape_terms, 1, 4)) return "its number of terms is none";
+  if (!is_within(s.control.raised, 0, n.higher_orders) ||
+      !(s.control.used_share >= 0 && s.control.used_share <= 1))
+    return "its order is none";
   if (!is_within(s.control.flight_level, 0, 60)) return "its flight is too long";
   if (!(s.control.series_scale >= 0) || !(s.control.expected_onset >= 0) ||
       !(s.control.expected_release >= 0))

@@ -19,8 +19,8 @@ int numerics_version_of(const Scene& scene) {
                ? 4
                : numerics_version;
   if (scene.faces == Faces::smooth) return 7;  // collocation, with sweeps on springs
-  // nodes in contact are gathered in clusters
-  return scene.kind == SceneKind::areal ? 3 : numerics_version;
+  // nodes in contact are gathered in clusters, and the order of the series is chosen
+  return scene.kind == SceneKind::areal ? 4 : numerics_version;
 }
 
 std::string run_key(const Model& model) {

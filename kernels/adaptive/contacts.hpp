@@ -20,11 +20,9 @@ class Contacts {
  public:
   /// `listed_nodes`: the nodes that Overlaps flags; `onsets`: where their contacts begin;
   /// `bernstein`: work space.
-  RA2D_FUNCTION Contacts(const Lanes& lanes, const SeriesTables& adaptive, ContactSet& contacts,
-                         ContactSpans& spans, const int* listed_nodes, const double* onsets,
-                         double* bernstein)
+  RA2D_FUNCTION Contacts(const Lanes& lanes, ContactSet& contacts, ContactSpans& spans,
+                         const int* listed_nodes, const double* onsets, double* bernstein)
       : lanes_{lanes},
-        adaptive_{adaptive},
         contacts_{contacts},
         spans_{spans},
         listed_nodes_{listed_nodes},
@@ -40,7 +38,7 @@ class Contacts {
     for (int e = 0; e < contacts_.count; ++e) {
       const double* o = series.overlap(e);
       const int n = series.degree();
-      const Hull hull = hull_of(lanes_, adaptive_, o, n, end, bernstein_);
+      const Hull hull = hull_of(lanes_, series.hull_table(), o, n, end, bernstein_);
       double x = 2.0 * end + 1.0;
       if (hull.least <= -0.75 * tolerance)
         x = first_crossing(o, n, -1.0, tolerance, 0.25 * tolerance, end, hull.curvature);
@@ -90,7 +88,6 @@ class Contacts {
 
  private:
   Lanes lanes_;
-  const SeriesTables& adaptive_;
   ContactSet& contacts_;
   ContactSpans& spans_;
   const int* listed_nodes_;

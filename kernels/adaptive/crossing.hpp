@@ -102,10 +102,10 @@ KOKKOS_INLINE_FUNCTION double first_crossing(const double* c, int n, double sign
 
 /// A polynomial over [0, x] lies between the smallest and the largest of its Bernstein
 /// coefficients, b_i = sum_j C(i, j)/C(n, j) c_j x^j, and its derivatives between their
-/// differences.
+/// differences. `table`: of polynomials of degree n (SeriesTables::hull).
 template <class Lanes>
-KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adaptive,
-                                    const double* c, int n, double x, double* bernstein) {
+KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const double* table, const double* c, int n,
+                                    double x, double* bernstein) {
   using Real = typename Lanes::Real;
   constexpr int width = Lanes::width, packs = (overlap_terms + width - 1) / width;
   Real b[packs];
@@ -117,12 +117,12 @@ KOKKOS_INLINE_FUNCTION Hull hull_of(const Lanes& lanes, const SeriesTables& adap
     const Real term(c[j] * power);
     for (int g = 0; g < packs; ++g)
       if (g < used)
-        b[g] = multiply_add(lanes.load(adaptive.hull + j * overlap_terms + g * width), term, b[g]);
+        b[g] = multiply_add(lanes.load(table + j * overlap_terms + g * width), term, b[g]);
   }
   for (int g = 0; g < packs; ++g)
     if (g < used) lanes.store(bernstein + g * width, b[g]);
   lanes.sync();
-  const double* mask = adaptive.hull + overlap_terms * overlap_terms;
+  const double* mask = table + overlap_terms * overlap_terms;
   const double first = bernstein[1] - bernstein[0];
   Real least = b[0], most = b[0], falling(1e300), rising(-1e300), curvature(0.0);
   for (int g = 0; g < packs; ++g) {

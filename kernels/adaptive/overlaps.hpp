@@ -252,7 +252,8 @@ class Overlaps {
     for (int e = 0; e < flagged; ++e) {
       series.overlap_of(listed_nodes_[e], place, search_.polynomial);
       const int n = series.degree();
-      const Hull hull = hull_of(lanes_, adaptive_, search_.polynomial, n, end, search_.bernstein);
+      const Hull hull =
+          hull_of(lanes_, series.hull_table(), search_.polynomial, n, end, search_.bernstein);
       double x = 2.0 * end + 1.0;
       if (hull.most >= 0.75 * tolerance)
         x = first_crossing(search_.polynomial, n, 1.0, tolerance, 0.25 * tolerance, end,

@@ -43,12 +43,12 @@ class ModalSeries {
   struct NoClusters {};
   using Clusters = std::conditional_t<has_clusters, ContactClusters<Lanes, packs>, NoClusters>;
 
-  /// `shape_terms`: StepControl's. `hulls`: ContactSpans', read by bounds().
+  /// `hulls`: ContactSpans', read by bounds().
   RA2D_FUNCTION ModalSeries(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
                             const ContactTables& contact, const MotionLimits& bounds,
                             const SeriesTables& adaptive, const MovingForces& forces,
                             const NodeContact<Lanes, packs>& node_contact, const Clusters& clusters,
-                            const ContactSet& contacts, const int& shape_terms,
+                            const ContactSet& contacts, const StepControl& control,
                             SeriesBuffers& buffers, const Hull* hulls)
       : lanes_{lanes},
         modes_{modes},
@@ -60,9 +60,10 @@ class ModalSeries {
         node_contact_{node_contact},
         clusters_{clusters},
         contacts_{contacts},
-        shape_terms_{shape_terms},
+        control_{control},
         buffers_{buffers},
-        hulls_{hulls} {}
+        hulls_{hulls},
+        order_{adaptive.order} {}
 
   KOKKOS_FORCEINLINE_FUNCTION double scale() const { return scale_; }  // s
   /// Ticks in units of the series.
@@ -83,7 +84,11 @@ class ModalSeries {
     return overlap(e) + overlap_terms;
   }
   /// Degree of an overlap: that of the modes and three more, from the shapes along the path.
-  KOKKOS_FORCEINLINE_FUNCTION int degree() const { return adaptive_.order + 3; }
+  KOKKOS_FORCEINLINE_FUNCTION int degree() const { return order_ + 3; }
+  /// For hulls of overlaps.
+  KOKKOS_FORCEINLINE_FUNCTION const double* hull_table() const {
+    return adaptive_.hull + (order_ - adaptive_.order) / 2 * hull_length;
+  }
 
   /// The series from (u, v) on, with the same nodes in contact, in units of `scale` [s].
   ///
@@ -94,6 +99,7 @@ class ModalSeries {
   RA2D_FUNCTION bool expand(const Real* u, const Real* v, const Place& place, double scale) {
     scale_ = scale;
     neglected_ = 0.0;
+    order_ = adaptive_.order + 2 * control_.raised;
     const int contacts = contacts_.count;
     forget_clusters();
     if constexpr (has_clusters)
@@ -116,7 +122,7 @@ class ModalSeries {
         wanted_terms_ = enough_terms(amplitude, travel);
         if (wanted_terms_ <= terms) break;
         // most steps need as many as the one before
-        terms = wanted_terms_ < shape_terms_ ? shape_terms_ : wanted_terms_;
+        terms = wanted_terms_ < control_.shape_terms ? control_.shape_terms : wanted_terms_;
       }
       if (terms == 4)
         expand_terms<4>(u, v, place);
@@ -141,7 +147,7 @@ class ModalSeries {
   /// side. Errors and state are measured in the energy norm, whose square is sum m (V^2 +
   /// omega^2 U^2) and the energy of the springs.
   RA2D_FUNCTION double usable_length(double tolerance) const {
-    const int order = adaptive_.order;
+    const int order = order_;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
@@ -181,7 +187,7 @@ class ModalSeries {
   static constexpr double longest_usable = 4.0;
 
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
-    const int order = adaptive_.order;
+    const int order = order_;
     const Real at(x), per(1.0 / scale_);
     for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = coefficient(order, p);
     for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = Real(static_cast<double>(order)) * v[p];
@@ -200,16 +206,16 @@ class ModalSeries {
 
   /// The motion up to x = `most`, as a polynomial.
   KOKKOS_FORCEINLINE_FUNCTION PolynomialMotion<Lanes, packs> motion(double most) const {
-    return {buffers_.modes, adaptive_.order, Pace::even,
-            motion_.advance * (scale_ / motion_.time_step), most};
+    return {buffers_.modes, order_, Pace::even, motion_.advance * (scale_ / motion_.time_step),
+            most};
   }
 
   /// Velocity alone.
   RA2D_FUNCTION void velocity(double x, Real* v) const {
     const Real at(x), per(1.0 / scale_);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      v[p] = Real(static_cast<double>(adaptive_.order)) * coefficient(adaptive_.order, p);
-      for (int j = adaptive_.order - 1; j >= 1; --j)
+      v[p] = Real(static_cast<double>(order_)) * coefficient(order_, p);
+      for (int j = order_ - 1; j >= 1; --j)
         v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * coefficient(j, p));
       v[p] = v[p] * per;
     }
@@ -318,13 +324,14 @@ class ModalSeries {
 
   /// The series of the integral of V^2, in ticks: buffers_.squares, without its factor x.
   RA2D_FUNCTION void expand_squares() const {
+    if (order_ > adaptive_.order) return;
     const double ticks =
         1.0 / (scale_ * motion_.time_step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real v[most_order + 1];
-      for (int i = 0; i < adaptive_.order; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
-      v[adaptive_.order] = Real(0.0);
-      for (int n = 0; n < adaptive_.order; n += 2) {  // by two: each value that is read serves both
+      for (int i = 0; i < order_; ++i) v[i] = Real(i + 1.0) * coefficient(i + 1, p);
+      v[order_] = Real(0.0);
+      for (int n = 0; n < order_; n += 2) {  // by two: each value that is read serves both
         Real even(0.0), odd(0.0);
         for (int i = 0; 2 * i < n; ++i) {
           even = multiply_add(v[i], v[n - i], even);
@@ -335,15 +342,20 @@ class ModalSeries {
         even = multiply_add(middle, middle, even + even);
         double* to = buffers_.squares + n * row + p * width;
         lanes_.store(to, Real(ticks / (n + 1.0)) * even);
-        if (n + 1 < adaptive_.order) lanes_.store(to + row, Real(ticks / (n + 2.0)) * (odd + odd));
+        if (n + 1 < order_) lanes_.store(to + row, Real(ticks / (n + 2.0)) * (odd + odd));
       }
     }
   }
+  /// That integral from the beginning of the step to x. Steps of higher order turn the fastest
+  /// modes by so much that a series of as many terms would leave out a part of the square, to be
+  /// seen in the energy balance: there it is Gauss' rule.
   RA2D_FUNCTION void squares(double x, Real* square) const {
+    if (order_ > adaptive_.order) [[unlikely]]
+      return squares_by_rule(x, square);
     const Real at(x);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real sum = load_pack(lanes_, buffers_.squares + (adaptive_.order - 1) * row, p);
-      for (int n = adaptive_.order - 2; n >= 0; --n)
+      Real sum = load_pack(lanes_, buffers_.squares + (order_ - 1) * row, p);
+      for (int n = order_ - 2; n >= 0; --n)
         sum = multiply_add(sum, at, load_pack(lanes_, buffers_.squares + n * row, p));
       square[p] = sum * at;
     }
@@ -360,9 +372,10 @@ class ModalSeries {
   NodeContact<Lanes, packs> node_contact_;
   Clusters clusters_;
   const ContactSet& contacts_;
-  const int& shape_terms_;
+  const StepControl& control_;
   SeriesBuffers& buffers_;
   const Hull* hulls_;
+  int order_;
   double scale_ = 1.0, neglected_ = 0.0;
   int wanted_terms_ = 2;
 
@@ -371,6 +384,23 @@ class ModalSeries {
   }
   KOKKOS_FORCEINLINE_FUNCTION void put(int j, int p, const Real& x) const {
     lanes_.store(buffers_.modes + j * row + p * width, x);
+  }
+
+  RA2D_FUNCTION void squares_by_rule(double x, Real* square) const {
+    const double per_tick = x / (scale_ * motion_.time_step);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      Real v[gauss_points];  // dU/dx
+      for (int g = 0; g < gauss_points; ++g) v[g] = Real(0.0);
+      for (int j = order_; j >= 1; --j) {
+        const Real term = Real(static_cast<double>(j)) * coefficient(j, p);
+        for (int g = 0; g < gauss_points; ++g)
+          v[g] = multiply_add(Real(x * adaptive_.gauss[g]), v[g], term);
+      }
+      Real sum(0.0);
+      for (int g = 0; g < gauss_points; ++g)
+        sum = multiply_add(Real(adaptive_.gauss[gauss_row + g]) * v[g], v[g], sum);
+      square[p] = Real(per_tick) * sum;
+    }
   }
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
@@ -419,7 +449,7 @@ class ModalSeries {
     if (forces_.count > 0)
       for (int p = 0; p < filled<packs>(lanes_); ++p) {
         Real sum(0.0);
-        for (int j = adaptive_.order; j >= 2; --j)
+        for (int j = order_; j >= 2; --j)
           sum = multiply_add(
               sum, at,
               Real(j * (j - 1.0)) * Kokkos::abs(load_pack(lanes_, buffers_.forces + j * row, p)));
@@ -474,7 +504,7 @@ class ModalSeries {
   };
   /// The modes' terms of an order; zeros outside the series.
   KOKKOS_FORCEINLINE_FUNCTION const double* row_of(int order) const {
-    return buffers_.modes + (order < 0 || order > adaptive_.order ? most_order + 1 : order) * row;
+    return buffers_.modes + (order < 0 || order > order_ ? most_order + 1 : order) * row;
   }
 
   /// Terms of the orders j and j + 1 of the overlaps of `count` contacts from e on, and of their
@@ -515,27 +545,81 @@ class ModalSeries {
           product[i][q] = multiply_add(phi(i, 0, p), c(-q, p), product[i][q]);
           rising[i][q] = multiply_add(phi(i, 1, p), c(-q, p), rising[i][q]);
         }
+    double sums[count][4];
+    for (int i = 0; i < count; ++i)
+      four_sums_in_pairs(lanes_, {product[i][0], rising[i][0], product[i][1], rising[i][1]},
+                         sums[i]);
+    take_overlaps<terms, count>(e, j, place, advance, sums, force);
+  }
+  /// As expand_contacts(), from M_t(j): the sum of the t-th terms of the shapes with the modes'
+  /// terms of order j. Each serves four orders: o_j = M_0(j) + M_1(j - 1) + ..., and the sliding
+  /// rate is M_1(j) + 2 M_2(j - 1) + ...
+  template <int terms, int count>
+  KOKKOS_FORCEINLINE_FUNCTION void expand_by_moments(int e, int j, const Place& place,
+                                                     double advance, const LatestTerms& c,
+                                                     Real (&force)[2][packs]) {
+    const double* const shapes = buffers_.shapes + e * (4 * row);
+    Real part[count][terms][2];
+    for (int i = 0; i < count; ++i)
+      for (int t = 0; t < terms; ++t) part[i][t][0] = part[i][t][1] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      const Real first = c(0, p), second = c(-1, p);
+      for (int i = 0; i < count; ++i)
+        for (int t = 0; t < terms; ++t) {
+          const Real phi = load_pack(lanes_, shapes + i * (4 * row) + t * row, p);
+          part[i][t][0] = multiply_add(phi, first, part[i][t][0]);
+          part[i][t][1] = multiply_add(phi, second, part[i][t][1]);
+        }
+    }
+    double sums[count][4];
+    for (int i = 0; i < count; ++i) {
+      double m[terms][5];  // of the orders j + 1 to j - 3
+      double* const before = buffers_.moments + (e + i) * moment_numbers;
+      for (int t = 0; t < terms; ++t) {
+        lanes_.sum(part[i][t][0], part[i][t][1], m[t][1], m[t][0]);
+        for (int b = 0; b < 3; ++b) m[t][2 + b] = j > 0 ? before[3 * t + b] : 0.0;
+      }
+      for (int q = 0; q < 2; ++q) {
+        double over = m[0][1 - q], sliding = 0.0;
+        for (int t = 1; t < terms; ++t) {
+          over += m[t][1 - q + t];
+          sliding = Kokkos::fma(static_cast<double>(t), m[t][t - q], sliding);
+        }
+        sums[i][2 * q] = over;
+        sums[i][2 * q + 1] = sliding;
+      }
+      lanes_.sync();
+      if (lanes_.leader())
+        for (int t = 1; t < terms; ++t)
+          for (int b = 0; b < 3; ++b) before[3 * t + b] = m[t][b];
+    }
+    take_overlaps<terms, count>(e, j, place, advance, sums, force);
+  }
+  /// Takes the sums of `count` contacts from e on, of the modes' terms: overlap and sliding rate of
+  /// order j, then of j + 1.
+  template <int terms, int count>
+  KOKKOS_FORCEINLINE_FUNCTION void take_overlaps(int e, int j, const Place& place, double advance,
+                                                 double (&sums)[count][4],
+                                                 Real (&force)[2][packs]) const {
     double overs[count][2];
     for (int i = 0; i < count; ++i) {
-      double sums[4];
-      four_sums_in_pairs(lanes_, {product[i][0], rising[i][0], product[i][1], rising[i][1]}, sums);
       if (j == 0) {
         const int node = contacts_.nodes[e + i];
         const double rise = node_contact_.rise(node) * advance;
-        sums[0] += node_contact_.face(node, place.theta);
-        sums[1] += rise;
-        sums[2] += rise;
+        sums[i][0] += node_contact_.face(node, place.theta);
+        sums[i][1] += rise;
+        sums[i][2] += rise;
       }
-      overs[i][0] = sums[0];
-      overs[i][1] = sums[2];
+      overs[i][0] = sums[i][0];
+      overs[i][1] = sums[i][2];
       if (lanes_.leader())
         for (int q = 0; q < 2; ++q) {
-          overlap(e + i)[j + q] = sums[2 * q];
-          sliding_rate(e + i)[j + q] = sums[2 * q + 1];
+          overlap(e + i)[j + q] = sums[i][2 * q];
+          sliding_rate(e + i)[j + q] = sums[i][2 * q + 1];
         }
     }
     lanes_.sync();
-    if (j + 2 <= adaptive_.order) add_contact_forces<terms, count>(e, j, overs, force);
+    if (j + 2 <= order_) add_contact_forces<terms, count>(e, j, overs, force);
   }
   /// Adds the springs' force of these contacts, of the orders j and j + 1; `overs`: the overlaps'
   /// terms of these.
@@ -588,7 +672,7 @@ class ModalSeries {
       return false;
     }
     clusters_.hand_out(degree() + 1, buffers_.nodes);
-    wanted_terms_ = shape_terms_;
+    wanted_terms_ = control_.shape_terms;
     return true;
   }
   RA2D_FUNCTION bool leaves_out_little(const Real* amplitude, const Real* travel) {
@@ -615,7 +699,7 @@ class ModalSeries {
   template <int terms, bool in_clusters = false>
   RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
     const double scale = scale_;
-    const int order = adaptive_.order, contacts = contacts_.count;
+    const int order = order_, contacts = contacts_.count;
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
     Real stiff[packs], decay[packs], inverse_mass[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
@@ -643,6 +727,12 @@ class ModalSeries {
         clusters_.template expand<terms>(j, c, j + 2 <= order, advance, force);
       } else {
         int e = 0;
+        if constexpr (has_clusters)
+          if (clusters_.degree() > 0) {
+            for (; e + at_once <= contacts; e += at_once)
+              expand_by_moments<terms, at_once>(e, j, place, advance, c, force);
+            for (; e < contacts; ++e) expand_by_moments<terms, 1>(e, j, place, advance, c, force);
+          }
         if constexpr (at_once > 1)
           for (; e + at_once <= contacts; e += at_once)
             expand_contacts<terms, at_once>(e, j, place, advance, c, force);

@@ -344,6 +344,8 @@ TEST_F(Crash, AStateThatDoesNotFitItsSceneIsRefused) {
   refused([](Checkpoint& c) { c.state.values.contacts.count = 7; }, "closed nodes");
   refused([](Checkpoint& c) { c.state.values.control.flight_level = 61; }, "flight");
   refused([](Checkpoint& c) { c.state.values.control.shape_terms = 9; }, "terms");
+  refused([](Checkpoint& c) { c.state.values.control.raised = 1; }, "order");
+  refused([](Checkpoint& c) { c.state.values.control.used_share = std::nan(""); }, "order");
   refused([](Checkpoint& c) { c.state.values.control.series_scale = -1; }, "next step");
   refused([](Checkpoint& c) { c.state.values.control.expected_onset = std::nan(""); }, "next step");
   refused([](Checkpoint& c) { c.state.values.control.expected_release = -1; }, "next step");

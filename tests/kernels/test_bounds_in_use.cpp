@@ -228,7 +228,7 @@ void measure_drive(const Marched& m, std::int64_t step, std::int64_t ticks, doub
   const Place place = SliderPath(m.t.motion).at(step);
   const auto contact = node_contact_of<packs>(m.t, work);
   auto series = series_of<packs>(m.t, work);
-  const auto contacts = contacts_of<packs>(m.t, work);
+  const auto contacts = contacts_of<packs>(work);
   const auto overlaps = overlaps_of<packs>(m.t, work);
   series.expand(u0.data(), v0.data(), place, scale);
   const double end = series.x_at(ticks), time = static_cast<double>(ticks) * m.t.motion.time_step;

@@ -187,6 +187,49 @@ TEST_P(Clusters, MoveTheModesAsSingleNodesDo) {
   }
 }
 
+/// Nodes too few for clusters have sums of their own, from which overlaps and sliding rates follow
+/// in another order than without clusters.
+TEST_P(Clusters, LeaveSingleNodesTheirOwnSums) {
+  const double tolerance = GetParam();
+  Dice dice(9);
+  Scene m(tolerance, 60, 120);
+  std::array<int, 5> terms{};
+  for (int trial = 0; trial < 60; ++trial) {
+    std::vector<int> nodes;
+    for (int i = 0; i < 1 + trial % 4; ++i)
+      nodes.push_back(m.number(2 + 16 * i + dice.pick(8), dice.pick(120)));
+    m.touch(nodes);
+    m.draw_motion(dice);
+    const int contacts = m.s.carried.contacts.count;
+    const Place place = SliderPath(m.t.motion).at(dice.pick(1'000'000) * std::int64_t{1000});
+    const double scale = dice.ratio(3e-7, 6e-5);
+    const int degree = m.t.clusters.degree;
+    Series moments = m.modal_series();
+    ASSERT_TRUE(moments.expand(m.u.data(), m.v.data(), place, scale));
+    ASSERT_LT(moments.cluster_of(m.s.carried.contacts.nodes[0]), 0);
+    const Made by_moments(m, contacts);
+    const double end = std::min(1.0, moments.usable_length(tolerance));
+    m.t.clusters.degree = 0;
+    Series plain = m.modal_series();
+    ASSERT_TRUE(plain.expand(m.u.data(), m.v.data(), place, scale));
+    const Made single(m, contacts);
+    m.t.clusters.degree = degree;
+    ASSERT_EQ(moments.wanted_terms(), plain.wanted_terms());
+    ++terms[moments.wanted_terms()];
+    const double moved = m.of_lanes(m.t.bounds.largest_shape, m.v) * scale,
+                 rounding = 256 * eps * (m.of_lanes(m.t.bounds.largest_shape, m.u) + moved + 1e-6);
+    for (int e = 0; e < contacts; ++e)
+      for (int rate = 0; rate < 2; ++rate) {
+        const int at = (2 * e + rate) * overlap_terms;
+        EXPECT_NEAR(polynomial(by_moments.nodes.data() + at, moments.degree(), end),
+                    polynomial(single.nodes.data() + at, plain.degree(), end), rounding)
+            << "trial " << trial << ", node " << e;
+      }
+  }
+  EXPECT_GT(terms[2], 0);
+  EXPECT_GT(terms[3], 0);
+}
+
 /// The part of a shape that polynomials leave out, at the corners of what a place has in reach.
 TEST(ContactClusters, LeaveOutNoMoreThanTheirBound) {
   const Model model = test::areal_march(test::fine_maps(), 1e-6, 1e-4).model;
@@ -331,7 +374,7 @@ TEST_P(Clusters, BoundsHold) {
     const double scale = dice.ratio(2e-6, 6e-6);
     Series shared = m.modal_series();
     ASSERT_TRUE(shared.expand(m.u.data(), m.v.data(), place, scale));
-    const Contacts<HostLanes, P> contacts(lanes, m.t.adaptive, m.s.carried.contacts, m.s.work.spans,
+    const Contacts<HostLanes, P> contacts(lanes, m.s.carried.contacts, m.s.work.spans,
                                           m.s.work.listed_nodes, m.s.work.search.onsets,
                                           m.s.work.search.bernstein);
     const double end = std::min(1.0, shared.usable_length(GetParam()));

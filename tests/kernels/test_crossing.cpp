@@ -286,11 +286,9 @@ std::vector<double> hull_table(int n) {
 
 Hull hull(const Coefficients& c, double x) {
   const std::vector<double> table = hull_table(degree(c));
-  SceneTables t;
-  t.adaptive.hull = table.data();
   // what a longer series left behind must not count
   std::vector<double> room(2 * overlap_terms, 1e30);
-  return hull_of(lanes, t.adaptive, c.data(), degree(c), x, room.data());
+  return hull_of(lanes, table.data(), c.data(), degree(c), x, room.data());
 }
 
 TEST(HullOf, OfALineAndAParabola) {

@@ -122,11 +122,12 @@ struct Bodies {
     }
     return out;
   }
+  int order() const { return motion.degree() - 3; }
   double coefficient(int j, int k) const { return series[j * modes + k]; }
   /// The d-th derivative of U_k by x.
   long double derivative(int d, int k, double x) const {
     long double sum = 0;
-    for (int j = t.adaptive.order; j >= d; --j) {
+    for (int j = order(); j >= d; --j) {
       long double c = coefficient(j, k);
       for (int i = 0; i < d; ++i) c *= j - i;
       sum = sum * x + c;
@@ -193,7 +194,10 @@ TEST(ModalSeries, OfFreeModesIsTheClosedFormWithinItsTolerance) {
   for (int trial = 0; trial < 200; ++trial) {
     const double tolerance = std::pow(10.0, -3 - trial % 11);
     Bodies b(dice, tolerance, dice.one_in(2) ? 0.0 : 1e4, 0, 0);
+    b.t.adaptive.most_raised = 4;
+    b.s.carried.control.raised = trial % 5;
     b.expand(dice.ratio(0.3, 3) / b.quickest);
+    ASSERT_EQ(b.order(), series_order(tolerance) + 2 * (trial % 5));
     const double usable = b.motion.usable_length(tolerance);
     ASSERT_GT(usable, 0);
     double size = b.norm(b.u, b.v);  // the load pulls, too: what the first two terms come to
@@ -449,6 +453,9 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
   for (int trial = 0; trial < 100; ++trial) {
     const double tolerance = std::pow(10.0, -4 - trial % 10);
     Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
+    // of a raised order by Gauss' rule
+    b.t.adaptive.most_raised = 4;
+    b.s.carried.control.raised = trial % 4;
     b.expand(0.5 / b.quickest);
     b.motion.expand_squares();
     const double x = 0.5 * std::min(1.0, b.motion.usable_length(tolerance));
@@ -467,7 +474,7 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
         }
       const double ticks = x * b.motion.scale() / b.t.motion.time_step;
       // half way to where the last terms are the tolerance of all, 2^-(order - 2) of that is left
-      const double left = tolerance * std::ldexp(1, 2 - b.t.adaptive.order) * b.norm(b.u, b.v) *
+      const double left = tolerance * std::ldexp(1, 2 - b.order()) * b.norm(b.u, b.v) *
                           b.norm(b.u, b.v) / b.mass[k];
       EXPECT_NEAR(sum[k], static_cast<double>(exact) * ticks,
                   (64 * eps * static_cast<double>(largest) + 4 * left) * ticks)

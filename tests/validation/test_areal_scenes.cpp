@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "host/body/body.hpp"
+#include "host/device/batch.hpp"
 #include "host/model/model.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/child.hpp"
+#include "tests/places.hpp"
 #include "tests/simulate.hpp"
 
 /// Areal scenes from their files: the static start of a free block, and limits that are known
@@ -358,6 +360,29 @@ TEST(ArealScenes, ImpulsesBalanceTheLoad) {
   const double load = 3 * 2e-3;
   // the rule of the midpoint takes the force between two samples: one step of its change
   EXPECT_NEAR(impulse, load + momentum, 1e-7 * 2 * largest_of(r.samples.force) + 1e-6 * load);
+}
+
+/// At 50 um most steps go as far as the series lets them, and its order is raised; at 8 um most end
+/// as a node touches or leaves, and an order that is too high for them is lowered again.
+TEST(ArealScenes, TheOrderIsRaisedWhereStepsMakeTheirWholeLength) {
+  const auto raised_from = [](int raised, const std::string& spacing, const std::string& duration) {
+    const Model m = make_model(
+        read_scene(scene_file("areal"),
+                   {"slider.length=0.005", "slider.width=0.005", "scene.spacing=" + spacing,
+                    "scene.duration=" + duration, "output.rate=1e4"}));
+    Batch batch({m}, {make_start(m)});
+    SavedState begin = batch.save(0);
+    begin.values.control.raised = raised;
+    batch.restore(0, begin);
+    while (batch.snapshot(0).status == Status::running) {
+      batch.march(m.steps);
+      batch.drain(0);
+    }
+    EXPECT_EQ(batch.snapshot(0).status, Status::done);
+    return batch.save(0).values.control.raised;
+  };
+  EXPECT_GE(raised_from(0, "50e-6", "0.03"), 2);
+  EXPECT_LE(raised_from(3, "8e-6", "0.01"), 1);
 }
 
 }  // namespace
