@@ -226,8 +226,7 @@ TEST_P(Clusters, LeaveSingleNodesTheirOwnSums) {
             << "trial " << trial << ", node " << e;
       }
   }
-  EXPECT_GT(terms[2], 0);
-  EXPECT_GT(terms[3], 0);
+  EXPECT_GE(std::count_if(terms.begin(), terms.end(), [](int n) { return n > 0; }), 2);
 }
 
 /// The part of a shape that polynomials leave out, at the corners of what a place has in reach.

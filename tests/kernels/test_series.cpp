@@ -454,6 +454,10 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
     const double tolerance = std::pow(10.0, -4 - trial % 10);
     Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
     // of a raised order by Gauss' rule
+    std::vector<double> gauss(2 * gauss_row);
+    std::copy_n(gauss_place, gauss_points, gauss.begin());
+    std::copy_n(gauss_weight, gauss_points, gauss.begin() + gauss_row);
+    b.t.adaptive.gauss = gauss.data();
     b.t.adaptive.most_raised = 4;
     b.s.carried.control.raised = trial % 4;
     b.expand(0.5 / b.quickest);
