@@ -445,8 +445,8 @@ class AdaptiveMarch {
 
   /// Chooses the order of the series after a step in contact that has made so much of its usable
   /// length. A higher order makes steps longer, and each of them dearer: where contacts begin and
-  /// end so often that most steps end early, that is in vain. At 50 um sliding cost least where the
-  /// mean share was 0.5 to 0.6. It is never lower than usual: many short steps add up their errors.
+  /// end so often that most steps end early, that is in vain. It is never lower than usual: many
+  /// short steps add up their errors.
   RA2D_FUNCTION void choose_order(StepControl& control, double share) const {
     if (tables_.adaptive.most_raised == 0) return;
     control.used_share += (share - control.used_share) / 64;
