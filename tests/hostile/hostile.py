@@ -664,10 +664,12 @@ def try_resume(program, case, dice):
     went_on = 0
     found = []
     longer = 1.0  # on a busy machine a run may be cut off before its first checkpoint
+    # s; with sanitizers a checkpoint takes up to 0.1 s, and the march many times as long
+    between = "1e-5" if SLOWER == 1 else "0.02"
     for attempt in range(31):
         if attempt > 2 and went_on == 0:
             longer *= 1.2
-        process = start(program, [*words, "-o", "out.h5", "--checkpoint", "1e-5", *FORCE], folder)
+        process = start(program, [*words, "-o", "out.h5", "--checkpoint", between, *FORCE], folder)
         cut = attempt < 30
         allowed = (0, 137, 143) if cut else (0,)
         if cut:

@@ -109,7 +109,8 @@ TEST_P(AdaptiveInvariance, OneStepALaunch) {
     EXPECT_EQ(now.steps_made, whole.end.steps_made);
     EXPECT_TRUE(same("last resonator displacement", whole.end.resonator_u, now.resonator_u));
     EXPECT_TRUE(same("last slider velocity", whole.end.slider_v, now.slider_v));
-    const Capacity roomy{.samples = 1'000'000, .nodes = whole.model.nodes()};
+    const Capacity roomy{
+        .samples = 1'000'000, .sample_bytes = 1 << 26, .nodes = whole.model.nodes()};
     Batch again({whole.model}, {whole.start}, {.capacity = roomy});
     again.march(whole.model.steps);
     EXPECT_TRUE(same("samples", again.drain(0).sample_rows, rows));

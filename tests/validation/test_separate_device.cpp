@@ -87,12 +87,15 @@ TEST_F(SeparateDeviceTest, AStateSavedThereGoesOnHere) {
   }
 }
 
+/// All samples of a scene, as many modes as its rows may hold.
+const BatchOptions all_samples{.capacity = {.sample_bytes = 1 << 23}};
+
 /// Memory that a batch of one slot takes there for this scene.
 std::size_t taken_by(const Model& model, const ModalStart& start) {
   SeparateDevice device;
   const MarchedThere there(device);
   const std::size_t before = device.free_memory();
-  Batch batch(1);
+  Batch batch(1, all_samples);
   batch.put(0, model, start);
   return before - device.free_memory();
 }
@@ -106,7 +109,7 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
   ASSERT_LT(2 * of_small, of_large);
   SeparateDevice device(of_large + of_small / 2);
   const MarchedThere there(device);
-  Batch batch(1);
+  Batch batch(1, all_samples);
   batch.put(0, model, start);
   const std::size_t blocks = device.blocks();
   batch.march(model.steps);
@@ -125,7 +128,7 @@ TEST_F(SeparateDeviceTest, ItsMemoryIsUsedAgain) {
   // one
   batch.put(0, other, start_of_other);
   batch.put(0, model, start);
-  batch = Batch(2);
+  batch = Batch(2, all_samples);
   batch.put(0, other, start_of_other);
   EXPECT_THROW(batch.put(1, other, start_of_other), std::bad_alloc);
   batch.march(other.steps / 100);
