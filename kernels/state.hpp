@@ -202,7 +202,7 @@ struct Marks {
 struct Caches {
   double* node_shape = nullptr;  // (node, 4, lane); (cell, 7, lane)
   double* node_face = nullptr;   // (node, 2); (cell, 12)
-  double* columns = nullptr;     // (place, cluster_rows, lane): kernels/contact/cluster_places.hpp
+  double* columns = nullptr;     // (place, pack, term, lane): kernels/contact/cluster_places.hpp
 };
 
 // ---- work

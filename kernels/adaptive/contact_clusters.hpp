@@ -171,8 +171,8 @@ class ContactClusters {
         if (t != cluster_own) share += 2.0 * slope * of(1) + size * of(2);
         share *= stiffness_;
         for (int p = first_pack(t); p < filled<packs>(lanes_); ++p)
-          force[p] =
-              multiply_add(share, Kokkos::abs(load_pack(lanes_, phi + t * row, p)), force[p]);
+          force[p] = multiply_add(share, Kokkos::abs(lanes_.load(cluster_term<width>(phi, t, p))),
+                                  force[p]);
       }
     }
   }

@@ -32,8 +32,15 @@ KOKKOS_FORCEINLINE_FUNCTION constexpr int term_of(int a, int b) {
   return (a + b) * (a + b + 1) / 2 + b;
 }
 
-/// Writes Phi_kab of a place over a window, and the slider's slopes, to `to` (cluster_rows, lane).
-/// The place has an even row.
+/// Where term t of a pack of modes stands in a place's column, (pack, cluster_rows, lane): in the
+/// order in which the sums over the modes go through it.
+template <int width, class Number>
+KOKKOS_FORCEINLINE_FUNCTION Number* cluster_term(Number* column, int t, int pack) {
+  return column + (pack * cluster_rows + t) * width;
+}
+
+/// Writes Phi_kab of a place over a window, and the slider's slopes, to the column `to`. The place
+/// has an even row.
 template <class Lanes, int packs>
 RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& motion,
                                         const FaceTables& faces, const SliderShapes& slider,
@@ -60,9 +67,9 @@ RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& 
       own = multiply_add(slope, unit, own);
     }
     for (int t = 0; t < cluster_sums(tables.degree); ++t)
-      lanes.store(to + t * row + p * width,
+      lanes.store(cluster_term<width>(to, t, p),
                   load_pack(lanes, across + power_across(t) * row, p) * c[power_along(t)][p]);
-    lanes.store(to + cluster_own * row + p * width, load_pack(lanes, across, p) * own);
+    lanes.store(cluster_term<width>(to, cluster_own, p), load_pack(lanes, across, p) * own);
   }
 }
 
@@ -73,7 +80,7 @@ KOKKOS_FORCEINLINE_FUNCTION void sum_at_cluster_place(const Lanes& lanes,
                                                       const SliderShapes& slider, const double* phi,
                                                       const Modes& c, double* to) {
   using Real = typename Lanes::Real;
-  constexpr int width = Lanes::width, row = packs * width, sums = cluster_sums(degree);
+  constexpr int width = Lanes::width, sums = cluster_sums(degree);
   Real part[sums + 1][count];
   for (int t = 0; t <= sums; ++t)
     for (int q = 0; q < count; ++q) part[t][q] = Real(0.0);
@@ -85,12 +92,12 @@ KOKKOS_FORCEINLINE_FUNCTION void sum_at_cluster_place(const Lanes& lanes,
       Real mode[count];
       for (int q = 0; q < count; ++q) mode[q] = c(q, p);
       for (int t = from; t < from + block && t < sums; ++t) {
-        const Real shape = load_pack(lanes, phi + t * row, p);
+        const Real shape = lanes.load(cluster_term<width>(phi, t, p));
         for (int q = 0; q < count; ++q) part[t][q] = multiply_add(shape, mode[q], part[t][q]);
       }
     }
   for (int p = slider.first_lane / width; p < modal_packs; ++p) {
-    const Real shape = load_pack(lanes, phi + cluster_own * row, p);
+    const Real shape = lanes.load(cluster_term<width>(phi, cluster_own, p));
     for (int q = 0; q < count; ++q) part[sums][q] = multiply_add(shape, c(q, p), part[sums][q]);
   }
   for (int q = 0; q < count; ++q) {
@@ -111,19 +118,19 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_at_cluster_place(
     const double (&r)[count][cluster_sums(degree)], const double (&own)[count],
     typename Lanes::Real* const (&force)[count]) {
   using Real = typename Lanes::Real;
-  constexpr int width = Lanes::width, row = packs * width;
+  constexpr int width = Lanes::width;
   const int modal_packs = filled<packs>(lanes);
   for (int p = 0; p < modal_packs; ++p) {
     Real sum[count];
     for (int q = 0; q < count; ++q) sum[q] = force[q][p];
     for (int t = 0; t < cluster_sums(degree); ++t) {
-      const Real shape = load_pack(lanes, phi + t * row, p);
+      const Real shape = lanes.load(cluster_term<width>(phi, t, p));
       for (int q = 0; q < count; ++q) sum[q] = multiply_add(r[q][t], shape, sum[q]);
     }
     for (int q = 0; q < count; ++q) force[q][p] = sum[q];
   }
   for (int p = slider.first_lane / width; p < modal_packs; ++p) {
-    const Real shape = load_pack(lanes, phi + cluster_own * row, p);
+    const Real shape = lanes.load(cluster_term<width>(phi, cluster_own, p));
     for (int q = 0; q < count; ++q) force[q][p] = multiply_add(own[q], shape, force[q][p]);
   }
 }

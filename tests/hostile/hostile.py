@@ -627,6 +627,8 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
 RESUMED = PLAIN.replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
+# s between two of a run and of a study; with sanitizers each takes up to 0.1 s
+CHECKPOINT = {"run": "1e-5", "study": "1e-4"}
 # how runs that were to go on were cut off, and how often they went on from a checkpoint
 CUTS = Counter()
 
@@ -664,12 +666,11 @@ def try_resume(program, case, dice):
     went_on = 0
     found = []
     longer = 1.0  # on a busy machine a run may be cut off before its first checkpoint
-    # s; with sanitizers a checkpoint takes up to 0.1 s, and the march many times as long
-    between = "1e-5" if SLOWER == 1 else "0.02"
     for attempt in range(31):
         if attempt > 2 and went_on == 0:
             longer *= 1.2
-        process = start(program, [*words, "-o", "out.h5", "--checkpoint", between, *FORCE], folder)
+        process = start(program, [*words, "-o", "out.h5", "--checkpoint", CHECKPOINT["run"],
+                                  *FORCE], folder)
         cut = attempt < 30
         allowed = (0, 137, 143) if cut else (0,)
         if cut:
@@ -719,7 +720,7 @@ def try_study(program, case, dice):
         '[vary]\nscheme = { keys = ["scene.name", "time.scheme", "contact.law", '
         '"time.contact_force"], '
         f'values = [{values}] }}\n')
-    words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", "1e-4"]
+    words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", CHECKPOINT["study"]]
     status = end(start(program, [*words, "-o", "whole"], folder), STUDY_PATIENCE)
     found = [] if status == 0 else [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
     went_on, attempt, longer = 0, 0, 1.0
@@ -1068,6 +1069,7 @@ def main():
     else:
         global SLOWER
         SLOWER = 6
+        CHECKPOINT.update(run="0.02", study="0.02")
     if options.part == "readers":  # which ask Python some hundred times
         with warm_python.started() as path:
             os.environ["PATH"] = path
