@@ -1069,7 +1069,7 @@ def main():
     else:
         global SLOWER
         SLOWER = 6
-        CHECKPOINT.update(run="0.02", study="0.02")
+        CHECKPOINT.update(run="0.02", study="0.002")
     if options.part == "readers":  # which ask Python some hundred times
         with warm_python.started() as path:
             os.environ["PATH"] = path
