@@ -193,7 +193,9 @@ class ContactStep {
     const int count = nodes.find(y.u, y.v, place);
     if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
       return fail(Solution::crowded);
-    const ContactTotals<Real> totals = node_contact_(place, y.u, listed_nodes_, count, force);
+    const ContactTotals<Real> totals = NodesToEvaluate::may_end && recorder.has_contact(y.step)
+                                           ? recorder.contact(force)
+                                           : node_contact_(place, y.u, listed_nodes_, count, force);
     nodes.take(totals.force);
     recorder.take_contact(totals, place, y.step);
     y.deflection_work = y.deflection_work + totals.deflection_work;

@@ -34,6 +34,11 @@ class FixedRecorder {
   static constexpr int width = Lanes::width;
 
  public:
+  /// Whether the contact that a sample has found serves the step from there, too: where contact
+  /// costs far more than to keep it.
+  static constexpr bool keeps_contact =
+      form == Form::semi_implicit && keeps_lists<Lanes, packs> && width < 32;
+
   /// `listed_nodes`: the nodes that Candidates list.
   RA2D_FUNCTION FixedRecorder(const Lanes& lanes, const ModeTables& modes,
                               const SliderMotion& motion, const ContactTables& contact,
@@ -87,6 +92,17 @@ class FixedRecorder {
     double share;
     sample_place(sampling_.next, at, share);
     return at == step;
+  }
+
+  /// Whether the latest sample has found the contact at this step.
+  KOKKOS_FORCEINLINE_FUNCTION bool has_contact(std::int64_t step) const {
+    return keeps_contact && step == sampled_step_;
+  }
+  /// That contact, and the modal forces there. Its nodes are in ContactList.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> contact(Real* force) const {
+    if constexpr (keeps_contact)
+      for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = sampled_force_[p];
+    return sampled_contact_;
   }
 
   /// Writes what is due at this step. `listed`: nodes of the list that holds there; negative: there
@@ -235,6 +251,9 @@ class FixedRecorder {
   const LatestContact& latest_contact_;
   const int* listed_nodes_;
   ContactList contact_list_;  // a copy: it holds nothing but addresses
+  std::int64_t sampled_step_ = -1;
+  ContactTotals<Real> sampled_contact_;
+  Real sampled_force_[keeps_contact ? packs : 1];
   RunBuffer& runs_;
   SampleBuffer& samples_;
   ShockBuffer& ended_;
@@ -347,6 +366,11 @@ class FixedRecorder {
           return {0.0, 0.0, -1};
       }
       const ContactTotals<Real> totals = node_contact_(place, now.u, listed_nodes_, count, force);
+      if constexpr (keeps_contact) {
+        sampled_step_ = now.step;
+        sampled_contact_ = totals;
+        for (int p = 0; p < filled<packs>(lanes_); ++p) sampled_force_[p] = force[p];
+      }
       double squares = 0.0;
       for (int e = 0; e < totals.nodes; ++e)
         squares += contact_list_.forces[e] * contact_list_.forces[e];
