@@ -402,14 +402,19 @@ class CandidateGroups {
         (static_cast<std::int64_t>(band) * tiles.groups + group % tiles.groups) * tiles.strip +
         group / tiles.groups;
     int found = 0;
-    // those from `tile` to before `end`, a vector of them at the most
-    const auto look_at = [&](int tile, int end, Real displacement) {
+    const auto faces = [&](int tile) {
+      return lanes_.load(own + tile) + lanes_.load(opposite + tile);
+    };
+    const auto add_slider = [&](int tile, Real displacement) {
       for (int k = 0; k < slider_.modes; ++k)
         displacement = multiply_add(amplitudes_[slider_.first_lane + k],
                                     lanes_.load(tiles.shape + k * tiles.row + tile), displacement);
+      return displacement;
+    };
+    // those from `tile` to before `end`, a vector of them at the most
+    const auto look_at = [&](int tile, int end, const Real& displacement) {
       lanes_.store(lists_.tile_displacement + tile, displacement);
-      const Real top = lanes_.load(own + tile) + lanes_.load(opposite + tile) + displacement;
-      std::uint32_t bits = lanes_.at_least(top, -coarse_below_);
+      std::uint32_t bits = lanes_.at_least(faces(tile) + displacement, -coarse_below_);
       if (end - tile < width) bits &= (1u << (end - tile)) - 1u;
       for (; bits != 0; bits &= bits - 1, ++found)
         if (lanes_.leader())
@@ -420,14 +425,19 @@ class CandidateGroups {
                 last = first + tile_rows < rows ? first + tile_rows : rows;
       double along[highest_footprint_degree + 1];
       footprint().take_row(lists_.footprint, 0.5 * (first + last - 1), rows, along);
+      double highest = along[0] + variation;  // anywhere on the band: |T_a| <= 1
+      for (int a = 1; a <= highest_footprint_degree; ++a) highest += Kokkos::abs(along[a]);
       const double nodes = tiles.groups * width;
       for (int tile = 0; tile < tiles.count; tile += width) {
+        // most tiles stay far from contact with the resonator as high as that
+        const Real slider = add_slider(tile, Real(0.0));
+        if (lanes_.at_least(faces(tile) + slider, -coarse_below_ - highest) == 0) continue;
         const Real middle =
             Kokkos::min((Real(tile) + lanes_.index()) * Real(nodes) + Real(0.5 * nodes),
                         Real(faces_.rows.nodes - 1.0));
-        look_at(
-            tile, tiles.count,
-            Real(variation) + footprint().displacement(place, along, middle, faces_.rows.nodes));
+        look_at(tile, tiles.count,
+                slider + Real(variation) +
+                    footprint().displacement(place, along, middle, faces_.rows.nodes));
       }
     } else {
       for (int tile = 0; tile < tiles.count;) {
@@ -437,7 +447,7 @@ class CandidateGroups {
         while (end < tiles.count && patch_of_tile(end, place) == patch) ++end;
         const Real level(at_centre(patch, x) + variation);
         lanes_.sync();
-        for (; tile < end; tile += width) look_at(tile, end, level);
+        for (; tile < end; tile += width) look_at(tile, end, add_slider(tile, level));
         tile = end;
       }
     }
