@@ -71,13 +71,19 @@ struct RealPacks {
 /// While a list holds no other node comes into contact: wherever the slider stands within the
 /// spacing, and the modes within the range. Lists that follow one another share a coarse pass.
 template <int packs>
-void list_every_node_that_can_touch(int modes) {
+void list_every_node_that_can_touch(int modes, bool fine = false) {
   Dice dice(7);
   int touching = 0;
   std::size_t listed = 0, all = 0;
-  for (int scene = 0; scene < 12; ++scene) {
+  for (int scene = 0; scene < (fine ? 2 : 12); ++scene) {
     ArealScene of = many_nodes();
     of.plate_heights = rough_map(37, 1201, 2e-6, 10 + scene);
+    if (fine) {  // many tiles: modes differ far more across the block than across one
+      of.spacing = of.spacing_y = 2e-5;
+      of.block.length = 599 * of.spacing, of.block.width = 37 * of.spacing_y;
+      of.plate_heights = rough_map(37, 3001, 2e-6, 10 + scene);
+      of.block_heights = rough_map(37, 600, 2e-6, 4);
+    }
     for (std::vector<double>& row : of.plate_heights)  // an asperity of one node here and there
       for (double& h : row) h += dice.one_in(100) ? dice.uniform(3e-6, 5e-6) : 0.0;
     of.plate.modes = modes;
@@ -88,19 +94,20 @@ void list_every_node_that_can_touch(int modes) {
     // with far bends what the modes differ by within a tile counts
     const double far = std::pow(10, dice.uniform(-6.5, -3.5));
     std::vector<double> u = random_motion(searched, dice, far);
-    if (scene % 2 == 1) {  // one mode comes nearer to the bound than many
+    if (fine || scene % 2 == 1) {  // one mode comes nearer to the bound than many
       u.assign(u.size(), 0.0);
       const int k = static_cast<int>(dice.uniform(0, searched.modes()));
       u[k] = far / searched.t.bounds.largest_shape[k];
     }
-    const std::vector<double> flat = searched.overlaps_at(u, 200);
+    const double begin = of.start / of.spacing;  // chi
+    const std::vector<double> flat = searched.overlaps_at(u, begin);
     const double level = *std::max_element(flat.begin(), flat.end());
     const double range = scene % 4 < 2 ? 1e-7 : std::pow(10, dice.uniform(-9.5, -7));
     for (double& h : searched.model.slider_height.edit()) h -= level + 2 * range;
     fill(searched.t, searched.model, searched.series, searched.n, HostCopy());
     SliderMotion motion = searched.t.motion;
-    for (int step = 0; step < 30; ++step) {
-      motion.position = 200 + 0.61 * step;
+    for (int step = 0; step < (fine ? 24 : 30); ++step) {
+      motion.position = begin + 0.61 * step;
       Place place(motion, 0);
       groups.find(RealPacks<packs>(u).u, place, range, 1e-14, 0.0);
       std::set<int> nodes;
@@ -125,13 +132,16 @@ void list_every_node_that_can_touch(int modes) {
       for (std::size_t k = 0; k < u.size(); ++k) u[k] += drift[k];
     }
   }
-  EXPECT_GT(touching, 200);
+  EXPECT_GT(touching, fine ? 20 : 200);
   EXPECT_LT(listed, all / 4);
 }
 TEST(Tiles, ListEveryNodeThatCanTouch) { list_every_node_that_can_touch<packs>(12); }
 /// The resonator's displacement comes from the footprint's polynomials.
 TEST(Tiles, OfManyModesListEveryNodeThatCanTouch) {
   list_every_node_that_can_touch<(64 + width - 1) / width>(60);
+}
+TEST(Tiles, OfLongBlocksListEveryNodeThatCanTouch) {
+  list_every_node_that_can_touch<(64 + width - 1) / width>(60, true);
 }
 
 }  // namespace
