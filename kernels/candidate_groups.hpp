@@ -429,7 +429,7 @@ class CandidateGroups {
       for (int a = 1; a <= highest_footprint_degree; ++a) highest += Kokkos::abs(along[a]);
       const double nodes = tiles.groups * width;
       for (int tile = 0; tile < tiles.count; tile += width) {
-        // most tiles stay far from contact with the resonator as high as that
+        // left out at once: tiles that would not touch with the resonator as high as that
         const Real slider = add_slider(tile, Real(0.0));
         if (lanes_.at_least(faces(tile) + slider, -coarse_below_ - highest) == 0) continue;
         const Real middle =

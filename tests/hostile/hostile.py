@@ -627,7 +627,8 @@ SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "ba
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]
 RESUMED = PLAIN.replace("speed = 0.5", "speed = 0.2")
 SLOWER = 1  # than a release build
-# s between two of a run and of a study; with sanitizers each takes up to 0.1 s
+# s between two checkpoints: often, that runs are cut off while they write them. With sanitizers
+# to write one takes far longer, and a run with so many would not end
 CHECKPOINT = {"run": "1e-5", "study": "1e-4"}
 # how runs that were to go on were cut off, and how often they went on from a checkpoint
 CUTS = Counter()

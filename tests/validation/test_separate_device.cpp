@@ -87,7 +87,7 @@ TEST_F(SeparateDeviceTest, AStateSavedThereGoesOnHere) {
   }
 }
 
-/// All samples of a scene, as many modes as its rows may hold.
+/// Room for all samples of a scene, where their rows are of the most modes (RA2D_ONE_MARCH), too.
 const BatchOptions all_samples{.capacity = {.sample_bytes = 1 << 23}};
 
 /// Memory that a batch of one slot takes there for this scene.
