@@ -426,7 +426,7 @@ class CandidateGroups {
       double along[highest_footprint_degree + 1];
       footprint().take_row(lists_.footprint, 0.5 * (first + last - 1), rows, along);
       double highest = along[0] + variation;  // anywhere on the band: |T_a| <= 1
-      for (int a = 1; a <= highest_footprint_degree; ++a) highest += Kokkos::abs(along[a]);
+      for (int a = 1; a <= bounds_.footprint.degree; ++a) highest += Kokkos::abs(along[a]);
       const double nodes = tiles.groups * width;
       for (int tile = 0; tile < tiles.count; tile += width) {
         // left out at once: tiles that would not touch with the resonator as high as that

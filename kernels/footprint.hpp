@@ -37,8 +37,8 @@ RA2D_FUNCTION double shape_in_group(const FaceTables& faces, const SliderShapes&
 ///
 /// sum_k max|psi_k| |x_k| is one, but with many modes it is far too large: it takes each mode
 /// where it is largest, and with the sign that adds to the others. The slider of an areal scene
-/// stands on a part of the resonator, its footprint, that is hardly longer than the shortest wave
-/// of the modes. There their shapes are polynomials of a low degree, up to a small remainder,
+/// stands on a part of the resonator, its footprint, that is a few of the modes' shortest waves long
+/// at the most. There their shapes are polynomials of a low degree, up to a small remainder,
 ///
 ///   psi_k(x, y) = sum_(a+b<=degree) Phi_kab T_a(xi) T_b(eta),   |xi|, |eta| <= 1,
 ///
@@ -55,8 +55,7 @@ class Footprint {
   static constexpr int row = packs * width;
 
  public:
-  /// Scenes of fewer modes have none.
-  static constexpr bool can_exist = packs > 3;
+  static constexpr bool can_exist = packs >= least_footprint_packs;
 
   RA2D_FUNCTION Footprint(const Lanes& lanes, const MotionLimits& limits)
       : lanes_{lanes}, limits_{limits} {}
@@ -110,9 +109,9 @@ class Footprint {
     const double eta = rows > 1 ? 2.0 * row_number / (rows - 1) - 1.0 : 0.0;
     double across[highest_footprint_degree + 1];
     across[0] = 1.0, across[1] = eta;
-    for (int b = 2; b <= highest_footprint_degree; ++b)
+    for (int b = 2; b <= limits_.footprint.degree; ++b)
       across[b] = 2.0 * eta * across[b - 1] - across[b - 2];
-    for (int a = 0; a <= highest_footprint_degree; ++a) {
+    for (int a = 0; a <= limits_.footprint.degree; ++a) {
       c[a] = 0.0;
       for (int b = 0; a + b <= limits_.footprint.degree; ++b)
         c[a] += terms[(a + b) * (a + b + 1) / 2 + b] * across[b];
@@ -126,7 +125,7 @@ class Footprint {
     const double middle = tables.first + (place_of(place) + 0.5) * tables.nodes + 0.5 * (nodes - 1);
     const Real xi = (node + Real(place.base - middle)) * Real(tables.inverse_half);
     Real last(0.0), next(0.0);
-    for (int a = highest_footprint_degree; a > 0; --a) {
+    for (int a = tables.degree; a > 0; --a) {
       const Real now = multiply_add(2.0, xi * last, Real(c[a]) - next);
       next = last;
       last = now;

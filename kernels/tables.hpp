@@ -359,7 +359,10 @@ struct FootprintTables {
 };
 /// Terms that are summed together.
 inline constexpr int footprint_side_by_side = 4;
-inline constexpr int highest_footprint_degree = 6;
+/// 153 terms: of more the sums would bound hardly better than those of up to 256 modes do.
+inline constexpr int highest_footprint_degree = 16;
+/// Marches of fewer packs have none.
+inline constexpr int least_footprint_packs = 4;
 
 /// Bounds on the motion, from which follows which nodes can come into contact, and how tightly they
 /// are used.

@@ -48,6 +48,10 @@ int packs_of(const Model& model, int least) {
         fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
                     "max_frequency or modes",
                     modes, most_modes));
+  // a footprint finds contact among many nodes far sooner, whatever the number of modes
+  constexpr int many_nodes = 4096;
+  if (model.is_areal && !model.has_smooth_faces() && model.nodes() >= many_nodes)
+    least = std::max(least, least_footprint_packs);
   return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
 }
 

@@ -12,8 +12,8 @@ namespace ra2d {
 namespace {
 
 constexpr int highest_degree = highest_footprint_degree;
-/// Places. Of a longer path the tables would be large.
-constexpr int longest_path = 1024;
+/// More would make large tables: of a path many times as long as the slider, places are longer.
+constexpr int most_places = 256;
 /// Of the sum of all shapes, what polynomials may leave out.
 constexpr double bearable_share = 0.03;
 /// Roundings of coefficients and sums, over a shape's size: far more than there can be.
@@ -109,13 +109,13 @@ std::vector<double> remainders(const Model& model, const FootprintShape& shape) 
 
 /// The places along the path; the degree is still open.
 FootprintShape on_path(const Model& model) {
-  FootprintShape shape;
-  shape.nodes = std::max(1, model.row_nodes() / 4);
   const double path =
       std::floor(model.position + model.advance * static_cast<double>(model.steps)) -
       std::floor(model.position);
-  const double places = std::floor((path + 1) / shape.nodes) + 1;
-  shape.places = static_cast<int>(std::min(places, longest_path + 1.0));
+  FootprintShape shape;
+  shape.nodes = static_cast<int>(
+      std::max({1.0, std::floor(model.row_nodes() / 4.0), std::ceil((path + 2) / most_places)}));
+  shape.places = static_cast<int>(std::floor((path + 1) / shape.nodes)) + 1;
   return shape;
 }
 
@@ -126,11 +126,9 @@ int FootprintShape::terms() const {
   return (sums + footprint_side_by_side - 1) / footprint_side_by_side * footprint_side_by_side;
 }
 
-FootprintShape choose_footprint(const Model& model, int width) {
-  const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  if (!model.is_areal || model.has_smooth_faces() || modes <= 3 * width) return {};
+FootprintShape choose_footprint(const Model& model) {
+  if (!model.is_areal || model.has_smooth_faces()) return {};
   FootprintShape shape = on_path(model);
-  if (shape.places > longest_path) return {};
   double all = 0;
   for (const BodyMode& mode : model.resonator.modes) all += mode.shape->size();
   for (shape.degree = 2; shape.degree <= highest_degree; ++shape.degree) {

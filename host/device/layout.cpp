@@ -91,6 +91,13 @@ int nodes_with_shapes(const Model& model, int padded) {
   return std::max(padded, static_cast<int>(std::min(along, most)));
 }
 
+/// Whether the order of an adaptive step's series may be raised, for longer steps. The larger the
+/// block, the more of its nodes may touch within them: over a footprint of a higher degree, and
+/// where there is none, to find these costs more than the steps save (bench_areal: 40 mm).
+bool takes_longer_steps(const FootprintShape& footprint) {
+  return footprint.degree > 0 && footprint.degree <= 6;
+}
+
 }  // namespace
 
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
@@ -115,6 +122,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
   n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;
+  const FootprintShape footprint = choose_footprint(model);
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);
@@ -122,15 +130,16 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
     n.contacts = std::min(n.listed, capacity.nodes);
-    if (model.is_areal && !n.smooth && scene.resonator.moving_forces.empty()) {
+    if (takes_longer_steps(footprint) && scene.resonator.moving_forces.empty()) {
       const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
       n.higher_orders = std::min(4, (most_order - order) / 2);
     }
   }
   n.cluster_degree = cluster_degree(model, width);
-  const FootprintShape footprint = choose_footprint(model, width);
-  n.footprint_terms = footprint.terms();
-  n.footprint_places = footprint.places;
+  if (lanes / width >= least_footprint_packs) {
+    n.footprint_terms = footprint.terms();
+    n.footprint_places = footprint.places;
+  }
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   const auto most_samples = static_cast<std::int64_t>(
       std::max<std::size_t>(1, capacity.sample_bytes / (sizeof(double) * sample::row(lanes))));
