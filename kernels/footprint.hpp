@@ -37,8 +37,8 @@ RA2D_FUNCTION double shape_in_group(const FaceTables& faces, const SliderShapes&
 ///
 /// sum_k max|psi_k| |x_k| is one, but with many modes it is far too large: it takes each mode
 /// where it is largest, and with the sign that adds to the others. The slider of an areal scene
-/// stands on a part of the resonator, its footprint, that is a few of the modes' shortest waves long
-/// at the most. There their shapes are polynomials of a low degree, up to a small remainder,
+/// stands on a part of the resonator, its footprint, that is a few of the modes' shortest waves
+/// long at the most. There their shapes are polynomials of a low degree, up to a small remainder,
 ///
 ///   psi_k(x, y) = sum_(a+b<=degree) Phi_kab T_a(xi) T_b(eta),   |xi|, |eta| <= 1,
 ///

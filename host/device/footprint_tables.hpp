@@ -14,8 +14,9 @@ struct FootprintShape {
   int terms() const;
 };
 
-/// Those of a scene: of the lowest degree that leaves little of the shapes out. None in plane scenes,
-/// with smooth faces (whose bounds go by the sum of the modes' sizes), or where no degree will do.
+/// Those of a scene: of the lowest degree that leaves little of the shapes out. None in plane
+/// scenes, with smooth faces (whose bounds go by the sum of the modes' sizes), or where no degree
+/// will do.
 FootprintShape choose_footprint(const Model& model);
 
 /// Their tables, after the bounds of the modes.
