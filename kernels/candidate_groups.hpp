@@ -90,12 +90,6 @@ struct PiecePassed {
   }
 };
 
-/// Bound on the roundings of two positions [chi]. Shorter distances are not resolved by the
-/// computed position. Twice the roundings themselves, for numbers computed from them.
-KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
-  return 2 * 0x1p-52 * (place.position + 1.0);
-}
-
 /// The groups of nodes that can come into contact while no node passes another and U - U^ref moves
 /// none by more than `range` (kernels/footprint.hpp): all that a search for contact has to
 /// evaluate. U^ref are the modal displacements at which the list was made.
@@ -260,6 +254,7 @@ class CandidateGroups {
                                              double coarse_below, double in_group_below,
                                              double to_end, double back) {
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
+    const double left_of_spacing = rest_of_spacing(place, motion_);
     int count = 0, evaluated = 0, looked_at = 0;
     for (int first = 0; first < coarse_count_; first += width) {
       const int left = coarse_count_ - first;
@@ -284,8 +279,12 @@ class CandidateGroups {
         if (lanes_.at_least(most, -below) == 0) continue;
         RA2D_CHECK(count < faces_.groups);
         if (lists_.highest != nullptr) [[unlikely]] {
-          const double highest = lanes_.max(now.overlap);
-          if (lanes_.leader()) lists_.highest[count] = highest;
+          const double highest = lanes_.max(now.overlap),
+                       there = lanes_.max(multiply_add(left_of_spacing, now.rise, now.overlap));
+          if (lanes_.leader()) {
+            lists_.highest[count] = highest;
+            lists_.rise[count] = (there - highest) / left_of_spacing;
+          }
         }
         if (lanes_.leader()) lists_.groups[count] = group;
         ++count;

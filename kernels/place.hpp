@@ -42,6 +42,18 @@ struct Place {
   }
 };
 
+/// Bound on the roundings of two positions [chi]. Shorter distances are not resolved by the
+/// computed position. Twice the roundings themselves, for numbers computed from them.
+KOKKOS_FORCEINLINE_FUNCTION double position_rounding(const Place& place) {
+  return 2 * 0x1p-52 * (place.position + 1.0);
+}
+
+/// The rest of this spacing [chi], as far as a step within it may go: it ends by a tick or less
+/// behind the crossing.
+KOKKOS_FORCEINLINE_FUNCTION double rest_of_spacing(const Place& place, const SliderMotion& motion) {
+  return place.base + 1 - place.position + 2.0 * (position_rounding(place) + motion.advance);
+}
+
 /// Nodes of a group and of those after it in its row, without what pads the row's end.
 KOKKOS_INLINE_FUNCTION int nodes_left(const FaceTables& faces, int group, int width) {
   if (faces.rows.across == nullptr) [[likely]]

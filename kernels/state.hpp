@@ -221,8 +221,8 @@ struct CandidateLists {
   bool kept = false;                      // whether lists of nodes are (keeps_lists)
   int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
   // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed
-  // (kernels/adaptive/group_bounds.hpp)
-  double* highest = nullptr;
+  // (kernels/adaptive/group_bounds.hpp), and what the faces raise it by on this spacing, per chi
+  double *highest = nullptr, *rise = nullptr;
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -353,7 +353,6 @@ struct OnsetSearch {
 struct GroupBuffers {
   int* selected = nullptr;            // those that can come into contact within the step
   std::int64_t* evaluated = nullptr;  // at which step's beginning the overlaps are known
-  double* steepest = nullptr;         // m per chi, that the face rises by at the most
   double* own_shape = nullptr;        // (slider mode, group): psi in the middle of the group
   // (4, lane): Bernstein coefficients of the slider's modes over a step; the last: at its end
   double* own_motion = nullptr;
@@ -504,9 +503,9 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   if (n.rows > 0) {
     const std::size_t padded = groups + n.width;
     visit("highest", s.candidates.highest, padded);
+    visit("highest_rise", s.candidates.rise, padded);
     visit("selected", s.groups.selected, groups);
     visit("evaluated", s.groups.evaluated, groups);
-    visit("steepest", s.groups.steepest, padded);
     visit("own_shape", s.groups.own_shape, n.slider_modes * padded);
     visit("own_motion", s.groups.own_motion, 4 * lanes);
   }

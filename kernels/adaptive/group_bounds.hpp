@@ -26,10 +26,12 @@ struct Rise {
 /// for each group: its way over the faces, which are straight lines over a spacing, and the motion
 /// of the slider, which is stiff. What the resonator does is small, and one bound for all groups:
 ///
-///   o <= highest + steepest theta + sum_k own_shape_k U_k + risen.
+///   o <= highest + rise theta + sum_k own_shape_k U_k + risen.
 ///
-/// Without a footprint nothing is followed: steepest and own_shape are 0, and a step's rise is all
-/// that there can be.
+/// On a spacing the faces move each node along a straight line. The largest of a group's lines is
+/// convex, so it lies below its chord from where the group was evaluated to the end of the spacing:
+/// `rise` is the slope of that. Without a footprint nothing is followed: rise and own_shape are 0,
+/// and a step's rise is all that there can be.
 template <class Lanes, int packs>
 class GroupBounds {
   using Real = typename Lanes::Real;
@@ -38,10 +40,11 @@ class GroupBounds {
   static constexpr int row = packs * width;
 
  public:
-  RA2D_FUNCTION GroupBounds(const Lanes& lanes, const FaceTables& faces, const SliderShapes& slider,
-                            const MotionLimits& limits, CandidateLists& lists,
-                            GroupBuffers& buffers)
+  RA2D_FUNCTION GroupBounds(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
+                            const SliderShapes& slider, const MotionLimits& limits,
+                            CandidateLists& lists, GroupBuffers& buffers)
       : lanes_{lanes},
+        motion_{motion},
         faces_{faces},
         slider_{slider},
         footprint_{lanes, limits},
@@ -107,23 +110,21 @@ class GroupBounds {
     return Kokkos::max(Real(distance) * faces.rise, Real(0.0)) + Real(most);
   }
 
-  /// For new candidate groups, so many, with CandidateLists::highest at the displacements u.
+  /// For new candidate groups, so many, with CandidateLists::highest and rise at the place and the
+  /// displacements at which they were found.
   RA2D_FUNCTION void begin(const Place& place, int count) {
     risen_ = 0.0;
     lanes_.sync();
     for (int e = 0; e < count; ++e) {
       const int group = lists_.groups[e];
-      double steepest = 0.0, own = 0.0;
-      if (follows()) {
-        steepest = lanes_.max(
-            StaticOverlap<Lanes>(lanes_, faces_, place, group, nodes_beyond(faces_, group)).rise);
+      double own = 0.0;
+      if (follows())
         for (int k = 0; k < slider_.modes; ++k)
           own += own_shape(group, k) * lists_.reference_u[slider_.first_lane + k];
-      }
       if (!lanes_.leader()) continue;
       buffers_.evaluated[e] = -1;
-      buffers_.steepest[e] = steepest;
-      lists_.highest[e] -= steepest * place.theta + own;
+      if (!follows()) lists_.rise[e] = 0.0;
+      lists_.highest[e] -= lists_.rise[e] * place.theta + own;
       for (int k = 0; k < slider_.modes; ++k)
         buffers_.own_shape[k * stride() + e] = follows() ? own_shape(group, k) : 0.0;
     }
@@ -154,9 +155,9 @@ class GroupBounds {
           const Real shape = lanes_.load(buffers_.own_shape + k * stride() + e);
           for (int i = 0; i < 4; ++i) own[i] = multiply_add(own_motion(i, k), shape, own[i]);
         }
-      const Real steepest = lanes_.load(buffers_.steepest + e);
+      const Real of_faces = lanes_.load(lists_.rise + e);
       const Real most = lanes_.load(lists_.highest + e) +
-                        Kokkos::max(steepest * begin, steepest * end) +
+                        Kokkos::max(of_faces * begin, of_faces * end) +
                         Kokkos::max(Kokkos::max(own[0], own[1]), Kokkos::max(own[2], own[3]));
       std::uint32_t bits = lanes_.at_least(most, least - risen_);
       if (groups - e < width) bits &= (1u << (groups - e)) - 1u;
@@ -195,15 +196,23 @@ class GroupBounds {
       for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p)
         lanes_.store(buffers_.own_motion + 3 * row + p * width, u[p]);
     lanes_.sync();
+    const double left = rest_of_spacing(end, motion_);
     for (int i = 0; i < selected_; ++i) {
       const int e = buffers_.selected[i];
-      const double highest = lanes_.max(lanes_.load(overlaps + 2 * e * width));
-      if (!lanes_.leader()) continue;
-      double own = 0.0;
-      if (follows())
+      const Real now = lanes_.load(overlaps + 2 * e * width);
+      const double highest = lanes_.max(now);
+      double own = 0.0, rise = 0.0;
+      if (follows()) {
+        const int group = lists_.groups[e];
+        const Real slope =
+            StaticOverlap<Lanes>(lanes_, faces_, end, group, nodes_beyond(faces_, group)).rise;
+        rise = (lanes_.max(multiply_add(left, slope, now)) - highest) / left;
         for (int k = 0; k < slider_.modes; ++k)
           own += buffers_.own_shape[k * stride() + e] * own_motion(3, k);
-      lists_.highest[e] = highest - risen_ - (buffers_.steepest[e] * end.theta + own);
+      }
+      if (!lanes_.leader()) continue;
+      lists_.rise[e] = rise;
+      lists_.highest[e] = highest - risen_ - (rise * end.theta + own);
       buffers_.evaluated[e] = steps_;
     }
     lanes_.sync();
@@ -211,6 +220,7 @@ class GroupBounds {
 
  private:
   Lanes lanes_;
+  const SliderMotion& motion_;
   const FaceTables& faces_;
   const SliderShapes& slider_;
   Footprint<Lanes, packs> footprint_;

@@ -67,7 +67,7 @@ class Overlaps {
         search_{search},
         evaluated_{evaluated},
         candidates_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated},
-        group_bounds_{lanes, faces, slider, bounds, lists, groups},
+        group_bounds_{lanes, motion, faces, slider, bounds, lists, groups},
         start_{search.overlaps},
         end_{search.overlaps + 2 * faces.groups * width},
         is_selective_{faces.rows.across != nullptr && bounds.searched != Nodes::all} {}

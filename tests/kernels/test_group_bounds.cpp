@@ -28,22 +28,22 @@ struct Listed : Filled {
   SceneState s;
   std::vector<int> groups, selected;
   std::vector<std::int64_t> evaluated;
-  std::vector<double> reference, highest, steepest, own_shape, own_motion;
+  std::vector<double> reference, highest, rise, own_shape, own_motion;
 
   explicit Listed(const Model& model) : Filled(model, many * width) {
     const std::size_t padded = n.groups + width;
     for (std::vector<int>* list : {&groups, &selected}) list->assign(n.groups, 0);
     evaluated.assign(n.groups, 0);
-    for (std::vector<double>* row : {&highest, &steepest}) row->assign(padded, 0.0);
+    for (std::vector<double>* row : {&highest, &rise}) row->assign(padded, 0.0);
     own_shape.assign(n.slider_modes * padded, 0.0);
     own_motion.assign(4 * n.lanes, 0.0);
     reference.assign(n.lanes, 0.0);
     for (int e = 0; e < n.groups; ++e) groups[e] = e;
     s.work.candidates.groups = groups.data();
     s.work.candidates.highest = highest.data();
+    s.work.candidates.rise = rise.data();
     s.work.candidates.reference_u = reference.data();
-    s.work.groups = {selected.data(), evaluated.data(), steepest.data(), own_shape.data(),
-                     own_motion.data()};
+    s.work.groups = {selected.data(), evaluated.data(), own_shape.data(), own_motion.data()};
   }
   /// Of all nodes, group by group; nodes that do not exist lie low.
   std::vector<double> overlaps_at(const std::vector<double>& u, double position) {
@@ -80,8 +80,9 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
     of.plate.modes = 40;
     Listed listed(areal_march(of, 1e-6, 1e-3).model);
     ASSERT_GT(listed.n.footprint_terms, 0);
-    GroupBounds<HostLanes, many> bounds(lanes, listed.t.faces, listed.t.slider, listed.t.bounds,
-                                        listed.s.work.candidates, listed.s.work.groups);
+    GroupBounds<HostLanes, many> bounds(lanes, listed.t.motion, listed.t.faces, listed.t.slider,
+                                        listed.t.bounds, listed.s.work.candidates,
+                                        listed.s.work.groups);
     ASSERT_TRUE(bounds.follows());
     const std::size_t modes = listed.model.resonator.modes.size() + 3;
     // one part of the motion leads, so that no other bound hides it: the faces, the slider, or the
@@ -113,7 +114,19 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
     constexpr int above = 300;  // nodes: so many that others are close below
     std::nth_element(ranked.begin(), ranked.begin() + above, ranked.end(), std::greater<>());
     const double level = ranked[above];
-    for (int e = 0; e < listed.n.groups; ++e) listed.highest[e] = highest_of(e);
+    // what the faces raise each node by to just before the crossing, on which they are straight
+    const double left = rest_of_spacing(place_at(position), motion),
+                 to = std::floor(position) + 1 - 1e-9 - position;
+    const std::vector<double> still(listed.n.lanes, 0.0),
+        faces = listed.overlaps_at(still, position),
+        faces_there = listed.overlaps_at(still, position + to);
+    for (int e = 0; e < listed.n.groups; ++e) {
+      listed.highest[e] = highest_of(e);
+      double there = -1;
+      for (int n = e * width; n < (e + 1) * width; ++n)
+        there = std::max(there, over[n] + left / to * (faces_there[n] - faces[n]));
+      listed.rise[e] = (there - listed.highest[e]) / left;
+    }
     listed.reference = u;
     listed.s.work.candidates.reference_u = listed.reference.data();
     bounds.begin(place_at(position), listed.n.groups);

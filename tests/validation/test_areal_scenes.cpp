@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "host/base/decompositions.hpp"
 #include "host/body/body.hpp"
 #include "host/device/batch.hpp"
 #include "host/model/model.hpp"
@@ -106,7 +107,7 @@ Eigen::Vector3d rest_of_three(const Model& m, const std::vector<double>& faces) 
       Eigen::Matrix3d regular = tangent;
       regular.diagonal() += 1e-12 * tangent.diagonal();
       regular += 1e-12 * spring * Eigen::Vector3d(1, 1e-6, 1e-6).asDiagonal().toDenseMatrix();
-      const Eigen::Vector3d step = regular.ldlt().solve(out);
+      const Eigen::Vector3d step = solve_symmetric(regular, Eigen::VectorXd(out));
       // the potential is convex: where its slope along the step ends
       double length = 1;
       if (force(plane + step, spring, there).dot(step) < -1e-12 * out.dot(step)) {
@@ -200,11 +201,11 @@ TEST(ArealStart, ThreeBumpsShareTheLoadAsStaticsSays) {
       shapes(b, k) = shape_at(m.slider.modes[static_cast<std::size_t>(k)], bumps[b].i * 1e-4,
                               (bumps[b].j + 0.5) * 1e-4);
   const Eigen::Vector3d load(m.slider.load[0], 0, 0);
-  const Eigen::Vector3d forces = shapes.transpose().colPivHouseholderQr().solve(load);
+  const Eigen::Vector3d forces = LeastSquares(shapes.transpose()).solve(Eigen::VectorXd(load));
   ASSERT_GT(forces.minCoeff(), 0.1);
   Eigen::Vector3d rise;  // of the block at the bumps
   for (int b = 0; b < 3; ++b) rise[b] = forces[b] / m.node_stiffness + 3e-5 - bumps[b].height;
-  const Eigen::Vector3d expected = shapes.colPivHouseholderQr().solve(rise);
+  const Eigen::Vector3d expected = LeastSquares(shapes).solve(Eigen::VectorXd(rise));
   for (int k = 0; k < 3; ++k)
     EXPECT_NEAR(start.slider_u[static_cast<std::size_t>(k)], expected[k],
                 1e-11 * expected.cwiseAbs().maxCoeff());
