@@ -357,26 +357,29 @@ std::vector<double> overlaps(const Model& m, const std::vector<double>& resonato
   const double theta = m.position - base;
   std::vector<double> overlap(m.slider_height.size());
   for (int n = 0; n < m.nodes(); ++n) {
-    const int row = n / m.row_nodes(), along = n % m.row_nodes();
+    const int row = n / m.row_nodes(), i = n % m.row_nodes();
     const double* const face =
         m.resonator_height.data() + static_cast<std::size_t>(row) * m.row_heights();
-    const int left = std::min(base + along, m.row_heights() - 1);
+    const int left = std::min(base + i, m.row_heights() - 1);
     const int right = std::min(left + 1, m.row_heights() - 1);
     const FaceBetweenNodes<double> h2{face[left], face[right], theta};
-    const double eta = m.eta(row);
-    // of the faces; then the modes' displacements, one by one
-    double sum = -gap(m.delta, m.slider_height[n], 0.0, h2, 0.0);
-    for (std::size_t k = 0; k < resonator_u.size(); ++k) {
-      if (resonator_u[k] == 0.0) continue;
-      sum +=
-          resonator_u[k] * shape_at(m.resonator.modes[k], (m.position + along) * chi, m.side + eta);
-    }
-    for (std::size_t k = 0; k < slider_u.size(); ++k) {
-      if (slider_u[k] == 0.0) continue;
-      sum += slider_u[k] * shape_at(m.slider.modes[k], along * chi, eta);
-    }
-    overlap[n] = sum;
+    overlap[n] = -gap(m.delta, m.slider_height[n], 0.0, h2, 0.0);
   }
+  // mode by mode, each found once along a row and once across the rows
+  std::vector<double> along(m.row_nodes());
+  const auto add = [&](const BodyMode& mode, double u, double x, double y) {
+    if (u == 0.0) return;
+    for (int i = 0; i < m.row_nodes(); ++i) along[i] = shape_at(mode, (x + i) * chi);
+    double* to = overlap.data();
+    for (int row = 0; row < m.rows; ++row) {
+      double across = 0;
+      mode.shape->evaluate_across(y + m.eta(row), 1, &across);
+      for (int i = 0; i < m.row_nodes(); ++i) *to++ += u * (along[i] * across);
+    }
+  };
+  for (std::size_t k = 0; k < resonator_u.size(); ++k)
+    add(m.resonator.modes[k], resonator_u[k], m.position, m.side);
+  for (std::size_t k = 0; k < slider_u.size(); ++k) add(m.slider.modes[k], slider_u[k], 0.0, 0.0);
   return overlap;
 }
 
