@@ -131,7 +131,7 @@ void add_cases() {
     add_case(20e-3, spacing, midpoint(1e-6), "midpoint:1e-06", 0.02);
   for (const double spacing : {64e-6, 32e-6, 16e-6, 8e-6})
     add_case(20e-3, spacing, adaptive(1e-6), "adaptive:1e-06", spacing < 1e-5 ? 0.01 : 0.05);
-  for (const double side : {5e-3, 40e-3})
+  for (const double side : {5e-3, 40e-3, 80e-3})
     add_case(side, 32e-6, adaptive(1e-6), "adaptive:1e-06", 0.1);
 }
 

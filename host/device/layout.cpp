@@ -91,14 +91,16 @@ int nodes_with_shapes(const Model& model, int padded) {
   return std::max(padded, static_cast<int>(std::min(along, most)));
 }
 
-/// Whether the order of an adaptive step's series may be raised, for longer steps. The larger the
-/// block, the more of its nodes may touch within them: over a footprint of a higher degree, and
-/// where there is none, to find these costs more than the steps save (bench_areal: 40 mm).
-bool takes_longer_steps(const FootprintShape& footprint) {
-  return footprint.degree > 0 && footprint.degree <= 6;
-}
-
 }  // namespace
+
+int higher_orders(const Model& model) {
+  const Scene& scene = model.scene;
+  if (!is_adaptive(scene) || !scene.resonator.moving_forces.empty()) return 0;
+  const int degree = choose_footprint(model).degree;
+  if (degree == 0 || degree > 6) return 0;
+  const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
+  return std::min(4, (most_order - order) / 2);
+}
 
 Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int width,
                    const Capacity& capacity) {
@@ -122,7 +124,6 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
   n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;
-  const FootprintShape footprint = choose_footprint(model);
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);
@@ -130,13 +131,11 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
     n.contacts = std::min(n.listed, capacity.nodes);
-    if (takes_longer_steps(footprint) && scene.resonator.moving_forces.empty()) {
-      const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
-      n.higher_orders = std::min(4, (most_order - order) / 2);
-    }
+    n.higher_orders = higher_orders(model);
   }
   n.cluster_degree = cluster_degree(model, width);
   if (lanes / width >= least_footprint_packs) {
+    const FootprintShape footprint = choose_footprint(model);
     n.footprint_terms = footprint.terms();
     n.footprint_places = footprint.places;
   }

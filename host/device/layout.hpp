@@ -40,6 +40,12 @@ double cluster_remainder(const Model& model, const BodyMode& mode, int degree);
 /// areal, its faces are smooth, or its forces are found with the end of a step.
 int cluster_degree(const Model& model, int width);
 
+/// By how many twos the order of an adaptive step's series may be raised, for longer steps: in
+/// areal scenes between linear faces. The larger the block, the more of its nodes may touch within
+/// a step: over a footprint of a high degree, and where there is none, to find these costs more
+/// than longer steps save (bench_areal: 40 mm).
+int higher_orders(const Model& model);
+
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal
 /// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is
 /// more.

@@ -31,6 +31,9 @@ double steps_a_second(const Scene& scene, double highest, double nodes_in_contac
     return steps * std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
                             1.0 / step_costs::smooth_order);
   }
+  if (scene.kind == SceneKind::areal)
+    return step_costs::row_crossings * nodes_in_contact * scene.speed / scene.spacing +
+           step_costs::row_steps_a_radian * radians;
   const double a_crossing =
       nodes_in_contact > 1 ? step_costs::steps_a_wide_crossing : step_costs::steps_a_crossing;
   return a_crossing * scene.speed / scene.spacing + step_costs::steps_a_radian * radians;
@@ -75,8 +78,10 @@ void estimate_adaptive(const Scene& scene, const SceneCount& count, double highe
                        ExpectedWork& work) {
   const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
   work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching, count.lasts);
-  const double all_nodes = (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
-                           (count.areal ? step_costs::row_groups : 0.0);
+  const double all_nodes =
+      (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
+      (count.areal ? step_costs::row_groups * std::sqrt(scene.slider.length * scene.slider.width)
+                   : 0.0);
   const double step =
       (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
       (count.areal ? step_costs::row_step + (count.smooth ? step_costs::row_smooth_more_share

@@ -10,6 +10,7 @@
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
+#include "host/device/layout.hpp"
 #include "host/model/areal_size.hpp"
 #include "host/model/bounds.hpp"
 #include "host/plan/step_costs.hpp"
@@ -172,7 +173,10 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const Scene& scene = model.scene;
   const double tolerance = scene.time.tolerance.value_or(usual_tolerance);
   const int n = series_order(tolerance);
-  const double theta = std::exp((std::lgamma(n - 1.0) + std::log(tolerance)) / (n - 2));
+  const auto turn = [&](int order) {
+    return std::exp((std::lgamma(order - 1.0) + std::log(tolerance)) / (order - 2));
+  };
+  const double theta = turn(n);
   double fastest = 0;
   for (const Body* body : {&model.resonator, &model.slider})
     for (const BodyMode& mode : body->modes) fastest = std::max(fastest, fastest_rate(mode));
@@ -188,23 +192,27 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
                            : (crossings + fastest / theta) * drive;
   const bool smooth = model.has_smooth_faces();
   const double step = smooth ? wide * step_costs::smooth_step : order * n;
+  const double groups_ns =
+      step_costs::row_groups * std::sqrt(scene.slider.length * scene.slider.width);
+  const int higher = higher_orders(model);
+  const double turns = higher > 0 ? step_costs::row_raised_turns / turn(n + 2 * higher)
+                                  : step_costs::row_turns / theta;
   const auto pressed = [&](int nodes) {
     if (model.is_areal && smooth) {
       const double touching = usual_of(model, nodes);
       return step_costs::smooth_steps_a_radian * fastest *
              std::pow(1e-6 / tolerance, 1.0 / step_costs::smooth_order) *
              (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
-             (step_costs::row_groups +
+             (groups_ns +
               step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
               evaluation_ns);
     }
     if (model.is_areal) {
       const double touching = usual_of(model, nodes);
       const double omega = omega_c * std::sqrt(touching);
-      return (step_costs::row_steps * (std::max(fastest, omega) / theta + 2 * omega / M_PI) +
+      return (turns * std::max(fastest, omega) + step_costs::row_touches * 2 * omega / M_PI +
               step_costs::row_crossings * crossings * touching) *
-             (step_costs::row_groups +
-              step * (step_costs::row_step + step_costs::row_more_share * touching) +
+             (groups_ns + step * (step_costs::row_step + step_costs::row_more_share * touching) +
               evaluation_ns);
     }
     const double omega = omega_c * std::sqrt(nodes);  // their springs side by side

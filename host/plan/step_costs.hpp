@@ -22,13 +22,16 @@ inline constexpr double cells = 400.0, cell = 70.0, new_cells = 2500.0, cells_ne
 
 // Of the adaptive scheme: a flight; a step with forces, for each order of its series; a sample.
 inline constexpr double leap = 600.0, order = 130.0, sample = 40.0;
-// Of areal scenes, from runs of scenes/areal.toml at spacings of 64 to 8 um. Steps over those that
-// plan_adaptive_steps counts: by the fastest motion and by nodes that touch or let go; for each
-// node in contact that passes another. A step, over one of a plane scene of as many modes; each
-// node in contact, over the same; all that a step evaluates elsewhere. Nodes in contact on average,
+// Of areal scenes, from runs of bench_areal: spacings of 64 to 8 um, blocks of 5 to 80 mm. Steps
+// over those that plan_adaptive_steps counts: by the fastest motion, where the series has its usual
+// order, and where that may be raised, at the highest; by nodes that touch or let go; for each node
+// in contact that passes another. Before there is a model: for each radian of the fastest mode. A
+// step, over one of a plane scene of as many modes; each node in contact, over the same; what a
+// step evaluates elsewhere, for each metre that the block is wide. Nodes in contact on average,
 // over those of the static start.
-inline constexpr double row_steps = 0.5, row_crossings = 0.65, row_step = 0.5,
-                        row_more_share = 0.05, row_groups = 5000, row_contacts = 0.7;
+inline constexpr double row_turns = 0.6, row_raised_turns = 1.1, row_touches = 0.1,
+                        row_crossings = 0.9, row_steps_a_radian = 0.35, row_step = 0.5,
+                        row_more_share = 0.05, row_groups = 0.55e6, row_contacts = 0.7;
 // Of their fixed steps, a stage in contact; each node more, a mode.
 inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 // Of areal scenes between smooth faces, from runs of scenes/areal.toml at 62.5 um along and 32 to 8

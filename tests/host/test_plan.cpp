@@ -9,9 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "host/base/format.hpp"
 #include "host/plan/expected_work.hpp"
+#include "host/run/timed_run.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/places.hpp"
 #include "tests/scenes.hpp"
@@ -250,6 +252,32 @@ TEST(ExpectedWork, IsWithinAFactorOfThreeOfTheStridesMade) {
     s.slider.load = 10;
   });
   check("fine", [](Scene& s) { s.spacing = 2e-6; });
+}
+
+Scene block_on_plate(const std::string& side, const std::string& spacing) {
+  return read_scene(scene_file("areal"), {"slider.length=" + side, "slider.width=" + side,
+                                          "scene.spacing=" + spacing, "scene.duration=0.01"});
+}
+
+TEST(ExpectedWork, OnMapsIsWithinAFactorOfThreeOfTheStepsMade) {
+  for (const auto& [side, spacing] : {std::pair{"0.005", "50e-6"}, std::pair{"0.005", "16e-6"},
+                                      std::pair{"0.02", "64e-6"}, std::pair{"0.04", "1e-4"}}) {
+    const Scene s = block_on_plate(side, spacing);
+    const Model model = make_model(s);
+    const auto made = static_cast<double>(timed_run(model, make_start(model)).end.steps_made);
+    EXPECT_NEAR(std::log(expected_work(s).steps / made), 0, std::log(3))
+        << side << " m at " << spacing << " m: " << made << " made";
+  }
+}
+
+/// More of a larger block's nodes come near contact. Where the order of the series is not raised
+/// (host/device/layout.hpp), there are more steps, too.
+TEST(Plan, LargerBlocksOnMapsTakeLonger) {
+  const auto seconds = [](const std::string& side) {
+    return make_plan(make_model(block_on_plate(side, "1e-4")), 1).seconds_one;
+  };
+  EXPECT_GT(seconds("0.04"), 2 * seconds("0.02"));
+  EXPECT_GT(seconds("0.08"), 1.2 * seconds("0.04"));
 }
 
 TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
