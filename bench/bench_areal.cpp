@@ -9,28 +9,23 @@
 // shocks and evaluated nodes per simulated second, seconds until it is ready, and the largest
 // number of nodes in contact at once.
 //
-// Came out with `adaptive` at 1e-6 on one core with eight lanes (wall seconds per simulated second,
-// medians of three; steps of 10 us, but 4 us at 8 um):
+// Came out with `adaptive` at 1e-6 on one core with eight lanes (EPYC, Zen 4, shared with others;
+// wall seconds per simulated second, medians of three; steps of 10 to 20 us, but 4 us at 8 um):
 //
 //   spacing      64 um   50 um   32 um   16 um   8 um
-//    5 x  5 mm                   0.45
-//   10 x 10 mm   0.55    0.58    0.62    1.1
-//   20 x 20 mm   0.96            0.90    1.6     4.8      (6.25 million nodes, 59 touch)
-//   40 x 40 mm                   2.5
+//    5 x  5 mm                   0.64
+//   10 x 10 mm   0.72    0.68    0.73    1.3
+//   20 x 20 mm   0.87            0.91    2.0     7.8      (6.25 million nodes, 59 touch)
+//   40 x 40 mm                   2.1
+//   80 x 80 mm                   11                       (6.25 million nodes)
 //
-// and with midpoint at 1e-6 s, 20 x 20 mm: 1.5 at 32 um, 7.6 at 8 um. Since then squares of nodes
-// share their sums over the modes: on four lanes that takes half as long at 8 um, or less. Since
-// then, too, the modes' motion has tighter bounds (kernels/footprint.hpp): a quarter less at 8 um;
-// with squares of 16 by 16 nodes, were 8 by 8, and tighter bounds on what forces do, three tenths
-// less again.
-//
-// Other machines take up to twice as long.
+// and with midpoint at 1e-6 s, 20 x 20 mm: 2.3 at 32 um, 3.7 at 8 um. What machine it is counts: a
+// core of Zen 5 that had its cache for itself took 0.51 at 10 mm and 50 um, 4.0 at 8 um, and 2.1
+// for midpoint at 8 um.
 //
 // areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //
-// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um. Of the former half goes into the series
-// of the modes; of the latter a third, where nodes in contact stand in clusters, and a fifth into
-// the coarse pass of candidate groups.
+// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um, there 2 for midpoint.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

@@ -134,8 +134,11 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     n.higher_orders = higher_orders(model);
   }
   n.cluster_degree = cluster_degree(model, width);
-  if (lanes / width >= least_footprint_packs) {
-    const FootprintShape footprint = choose_footprint(model);
+  const FootprintShape footprint = choose_footprint(model);
+  // fixed steps bound the modes' motion so often that sums of more terms would not pay
+  constexpr int highest_under_fixed_steps = 12;
+  if (lanes / width >= least_footprint_packs &&
+      (is_adaptive(scene) || footprint.degree <= highest_under_fixed_steps)) {
     n.footprint_terms = footprint.terms();
     n.footprint_places = footprint.places;
   }
