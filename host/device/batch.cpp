@@ -48,7 +48,7 @@ int packs_of(const Model& model, int least) {
         fmt::format("{} modes in both bodies together, at the most {} can be marched: lower "
                     "max_frequency or modes",
                     modes, most_modes));
-  // a footprint finds contact among many nodes far sooner, whatever the number of modes
+  // of many nodes the bounds of a footprint leave far fewer to be looked at, with few modes, too
   constexpr int many_nodes = 4096;
   if (model.is_areal && !model.has_smooth_faces() && model.nodes() >= many_nodes)
     least = std::max(least, least_footprint_packs);
