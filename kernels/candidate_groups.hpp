@@ -283,7 +283,7 @@ class CandidateGroups {
                        there = lanes_.max(multiply_add(left_of_spacing, now.rise, now.overlap));
           if (lanes_.leader()) {
             lists_.highest[count] = highest;
-            lists_.rise[count] = (there - highest) / left_of_spacing;
+            lists_.slope[count] = (there - highest) / left_of_spacing;
           }
         }
         if (lanes_.leader()) lists_.groups[count] = group;

@@ -222,7 +222,7 @@ struct CandidateLists {
   int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
   // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed
   // (kernels/adaptive/group_bounds.hpp), and what the faces raise it by on this spacing, per chi
-  double *highest = nullptr, *rise = nullptr;
+  double *highest = nullptr, *slope = nullptr;
 };
 
 /// Rows of ContactList::cell_parts, each of a lane's width and of 2 at the least.
@@ -503,7 +503,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   if (n.rows > 0) {
     const std::size_t padded = groups + n.width;
     visit("highest", s.candidates.highest, padded);
-    visit("highest_rise", s.candidates.rise, padded);
+    visit("slope", s.candidates.slope, padded);
     visit("selected", s.groups.selected, groups);
     visit("evaluated", s.groups.evaluated, groups);
     visit("own_shape", s.groups.own_shape, n.slider_modes * padded);

@@ -78,10 +78,12 @@ void estimate_adaptive(const Scene& scene, const SceneCount& count, double highe
                        ExpectedWork& work) {
   const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
   work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching, count.lasts);
+  const double groups =
+      !count.areal   ? 0.0
+      : count.smooth ? step_costs::row_smooth_groups
+                     : step_costs::row_groups * std::sqrt(scene.slider.length * scene.slider.width);
   const double all_nodes =
-      (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) +
-      (count.areal ? step_costs::row_groups * std::sqrt(scene.slider.length * scene.slider.width)
-                   : 0.0);
+      (scene.time.nodes == Nodes::all ? 4 * count.node * count.nodes : 0.0) + groups;
   const double step =
       (count.smooth ? step_costs::smooth_step : terms * step_costs::order) *
       (count.areal ? step_costs::row_step + (count.smooth ? step_costs::row_smooth_more_share

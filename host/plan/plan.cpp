@@ -203,7 +203,7 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
       return step_costs::smooth_steps_a_radian * fastest *
              std::pow(1e-6 / tolerance, 1.0 / step_costs::smooth_order) *
              (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
-             (groups_ns +
+             (step_costs::row_smooth_groups +
               step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
               evaluation_ns);
     }

@@ -26,12 +26,12 @@ struct Rise {
 /// for each group: its way over the faces, which are straight lines over a spacing, and the motion
 /// of the slider, which is stiff. What the resonator does is small, and one bound for all groups:
 ///
-///   o <= highest + rise theta + sum_k own_shape_k U_k + risen.
+///   o <= highest + slope theta + sum_k own_shape_k U_k + risen.
 ///
 /// On a spacing the faces move each node along a straight line. The largest of a group's lines is
 /// convex, so it lies below its chord from where the group was evaluated to the end of the spacing:
-/// `rise` is the slope of that. Without a footprint nothing is followed: rise and own_shape are 0,
-/// and a step's rise is all that there can be.
+/// `slope` is that chord's. Without a footprint nothing is followed: slope and own_shape are 0, and
+/// a step's rise is all that there can be.
 template <class Lanes, int packs>
 class GroupBounds {
   using Real = typename Lanes::Real;
@@ -110,7 +110,7 @@ class GroupBounds {
     return Kokkos::max(Real(distance) * faces.rise, Real(0.0)) + Real(most);
   }
 
-  /// For new candidate groups, so many, with CandidateLists::highest and rise at the place and the
+  /// For new candidate groups, so many, with CandidateLists::highest and slope at the place and the
   /// displacements at which they were found.
   RA2D_FUNCTION void begin(const Place& place, int count) {
     risen_ = 0.0;
@@ -123,8 +123,8 @@ class GroupBounds {
           own += own_shape(group, k) * lists_.reference_u[slider_.first_lane + k];
       if (!lanes_.leader()) continue;
       buffers_.evaluated[e] = -1;
-      if (!follows()) lists_.rise[e] = 0.0;
-      lists_.highest[e] -= lists_.rise[e] * place.theta + own;
+      if (!follows()) lists_.slope[e] = 0.0;
+      lists_.highest[e] -= lists_.slope[e] * place.theta + own;
       for (int k = 0; k < slider_.modes; ++k)
         buffers_.own_shape[k * stride() + e] = follows() ? own_shape(group, k) : 0.0;
     }
@@ -155,9 +155,8 @@ class GroupBounds {
           const Real shape = lanes_.load(buffers_.own_shape + k * stride() + e);
           for (int i = 0; i < 4; ++i) own[i] = multiply_add(own_motion(i, k), shape, own[i]);
         }
-      const Real of_faces = lanes_.load(lists_.rise + e);
-      const Real most = lanes_.load(lists_.highest + e) +
-                        Kokkos::max(of_faces * begin, of_faces * end) +
+      const Real slope = lanes_.load(lists_.slope + e);
+      const Real most = lanes_.load(lists_.highest + e) + Kokkos::max(slope * begin, slope * end) +
                         Kokkos::max(Kokkos::max(own[0], own[1]), Kokkos::max(own[2], own[3]));
       std::uint32_t bits = lanes_.at_least(most, least - risen_);
       if (groups - e < width) bits &= (1u << (groups - e)) - 1u;
@@ -201,18 +200,18 @@ class GroupBounds {
       const int e = buffers_.selected[i];
       const Real now = lanes_.load(overlaps + 2 * e * width);
       const double highest = lanes_.max(now);
-      double own = 0.0, rise = 0.0;
+      double own = 0.0, slope = 0.0;
       if (follows()) {
         const int group = lists_.groups[e];
-        const Real slope =
+        const Real rise =
             StaticOverlap<Lanes>(lanes_, faces_, end, group, nodes_beyond(faces_, group)).rise;
-        rise = (lanes_.max(multiply_add(left, slope, now)) - highest) / left;
+        slope = (lanes_.max(multiply_add(left, rise, now)) - highest) / left;
         for (int k = 0; k < slider_.modes; ++k)
           own += buffers_.own_shape[k * stride() + e] * own_motion(3, k);
       }
       if (!lanes_.leader()) continue;
-      lists_.rise[e] = rise;
-      lists_.highest[e] = highest - risen_ - (rise * end.theta + own);
+      lists_.slope[e] = slope;
+      lists_.highest[e] = highest - risen_ - (slope * end.theta + own);
       buffers_.evaluated[e] = steps_;
     }
     lanes_.sync();

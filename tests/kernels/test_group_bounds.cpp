@@ -28,20 +28,20 @@ struct Listed : Filled {
   SceneState s;
   std::vector<int> groups, selected;
   std::vector<std::int64_t> evaluated;
-  std::vector<double> reference, highest, rise, own_shape, own_motion;
+  std::vector<double> reference, highest, slope, own_shape, own_motion;
 
   explicit Listed(const Model& model) : Filled(model, many * width) {
     const std::size_t padded = n.groups + width;
     for (std::vector<int>* list : {&groups, &selected}) list->assign(n.groups, 0);
     evaluated.assign(n.groups, 0);
-    for (std::vector<double>* row : {&highest, &rise}) row->assign(padded, 0.0);
+    for (std::vector<double>* row : {&highest, &slope}) row->assign(padded, 0.0);
     own_shape.assign(n.slider_modes * padded, 0.0);
     own_motion.assign(4 * n.lanes, 0.0);
     reference.assign(n.lanes, 0.0);
     for (int e = 0; e < n.groups; ++e) groups[e] = e;
     s.work.candidates.groups = groups.data();
     s.work.candidates.highest = highest.data();
-    s.work.candidates.rise = rise.data();
+    s.work.candidates.slope = slope.data();
     s.work.candidates.reference_u = reference.data();
     s.work.groups = {selected.data(), evaluated.data(), own_shape.data(), own_motion.data()};
   }
@@ -125,7 +125,7 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
       double there = -1;
       for (int n = e * width; n < (e + 1) * width; ++n)
         there = std::max(there, over[n] + left / to * (faces_there[n] - faces[n]));
-      listed.rise[e] = (there - listed.highest[e]) / left;
+      listed.slope[e] = (there - listed.highest[e]) / left;
     }
     listed.reference = u;
     listed.s.work.candidates.reference_u = listed.reference.data();

@@ -365,8 +365,8 @@ TEST(ArealScenes, ImpulsesBalanceTheLoad) {
 }
 
 /// Bounds on what the modes can do within a step leave few nodes of a large block to be looked at,
-/// of many modes and of few: with bounds by the modes' sizes alone they are 2000 and 10 000 a step,
-/// of 160 000.
+/// of many modes and of few: 55 and 450 a step, of 160 000. With bounds by the modes' sizes alone,
+/// as two faults on purpose have them, they are 160 and 10 000.
 TEST(ArealScenes, OfALargeBlockFewNodesAreEvaluated) {
   struct Case {
     std::string highest, duration;  // Hz, s
