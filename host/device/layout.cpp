@@ -93,11 +93,9 @@ int nodes_with_shapes(const Model& model, int padded) {
 
 }  // namespace
 
-int higher_orders(const Model& model) {
-  const Scene& scene = model.scene;
+int higher_orders(const Scene& scene, const FootprintShape& footprint) {
   if (!is_adaptive(scene) || !scene.resonator.moving_forces.empty()) return 0;
-  const int degree = choose_footprint(model).degree;
-  if (degree == 0 || degree > 6) return 0;
+  if (footprint.degree == 0 || footprint.degree > 6) return 0;
   const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
   return std::min(4, (most_order - order) / 2);
 }
@@ -124,6 +122,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   n.slider_modes = static_cast<int>(model.slider.modes.size());
   n.smooth = model.has_smooth_faces();
   n.listed = model.is_areal ? std::min({n.nodes, capacity.nodes, most_areal_nodes}) : n.nodes;
+  const FootprintShape footprint = choose_footprint(model);
   const int stages = is_adaptive(scene) ? 1 : scheme_table(scene.time.scheme).stages;
   n.stage_rows = first_stage_row(stages);
   n.end_rows = end_rows(stages);
@@ -131,10 +130,9 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     const int levels = std::ilogb(static_cast<double>(model.steps)) + 1;
     n.flight_levels = std::max(1, levels - first_flight_level(model));
     n.contacts = std::min(n.listed, capacity.nodes);
-    n.higher_orders = higher_orders(model);
+    n.higher_orders = higher_orders(scene, footprint);
   }
   n.cluster_degree = cluster_degree(model, width);
-  const FootprintShape footprint = choose_footprint(model);
   // fixed steps bound the modes' motion so often that sums of more terms would not pay
   constexpr int highest_under_fixed_steps = 12;
   if (lanes / width >= least_footprint_packs &&

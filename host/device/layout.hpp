@@ -6,6 +6,8 @@
 /// How a scene is laid out over the lanes and in memory.
 namespace ra2d {
 
+struct FootprintShape;  // host/device/footprint_tables.hpp
+
 /// The form of the scene's steps.
 Form form_of(const Scene& scene);
 
@@ -44,7 +46,7 @@ int cluster_degree(const Model& model, int width);
 /// areal scenes between linear faces. The larger the block, the more of its nodes may touch within
 /// a step: over a footprint of a high degree, and where there is none, to find these costs more
 /// than longer steps save (bench_areal: 40 mm).
-int higher_orders(const Model& model);
+int higher_orders(const Scene& scene, const FootprintShape& footprint);
 
 /// Rows of samples and shocks that a launch can hand out, and nodes that can carry force (areal
 /// scenes: be evaluated) at once: the march stops where it needs more, and goes on once there is

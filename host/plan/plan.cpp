@@ -10,6 +10,7 @@
 
 #include "host/analysis/sound_pressure.hpp"
 #include "host/base/format.hpp"
+#include "host/device/footprint_tables.hpp"
 #include "host/device/layout.hpp"
 #include "host/model/areal_size.hpp"
 #include "host/model/bounds.hpp"
@@ -194,7 +195,7 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const double step = smooth ? wide * step_costs::smooth_step : order * n;
   const double groups_ns =
       step_costs::row_groups * std::sqrt(scene.slider.length * scene.slider.width);
-  const int higher = higher_orders(model);
+  const int higher = higher_orders(scene, choose_footprint(model));
   const double turns = higher > 0 ? step_costs::row_raised_turns / turn(n + 2 * higher)
                                   : step_costs::row_turns / theta;
   const auto pressed = [&](int nodes) {
