@@ -67,7 +67,7 @@ N_Vector make_vector(double* data, Eigen::Index size, SUNContext context) {
 
 class Cvode {
  public:
-  Cvode(Equations& equations, const PeerOptions& options, Eigen::VectorXd& y)
+  Cvode(PlaneEquations& equations, const PeerOptions& options, Eigen::VectorXd& y)
       : equations_{equations},
         options_{options},
         y_{y},
@@ -150,7 +150,7 @@ class Cvode {
   static int jacobian(realtype t, N_Vector, N_Vector, SUNMatrix out, void* data, N_Vector, N_Vector,
                       N_Vector) {
     auto& self = *static_cast<Cvode*>(data);
-    const Equations& e = self.equations_;
+    const PlaneEquations& e = self.equations_;
     const Eigen::Index modes = e.modes();
     Eigen::Map<Eigen::MatrixXd> j(SUNDenseMatrix_Data(out), 2 * modes, 2 * modes);
     j.setZero();
@@ -488,7 +488,7 @@ class Cvode {
     }
   }
 
-  Equations& equations_;
+  PlaneEquations& equations_;
   const PeerOptions& options_;
   Eigen::VectorXd& y_;
   Eigen::VectorXd before_, between_, before_piece_, after_piece_, scale_;
@@ -528,7 +528,7 @@ class Cvode {
 
 }  // namespace
 
-void march_cvode(Equations& equations, const PeerOptions& options, Eigen::VectorXd& y,
+void march_cvode(PlaneEquations& equations, const PeerOptions& options, Eigen::VectorXd& y,
                  PeerResult& result) {
   Cvode cvode(equations, options, y);
   cvode.march(result);

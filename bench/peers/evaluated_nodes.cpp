@@ -17,7 +17,7 @@ constexpr double periods = 2;
 
 }  // namespace
 
-EvaluatedNodes::EvaluatedNodes(Equations& equations, Nodes nodes)
+EvaluatedNodes::EvaluatedNodes(ContactEquations& equations, Nodes nodes)
     : equations_{equations}, nodes_{nodes} {
   const double fastest = equations.modes() > 0 ? equations.omega.maxCoeff() : 0;
   horizon_ = fastest > 0 ? periods * 2 * std::numbers::pi / fastest : 1e-3;
@@ -56,17 +56,18 @@ bool EvaluatedNodes::covered(double t, const double* y, double t_end, const doub
 void EvaluatedNodes::make(double t, const double* y, double time, double range) {
   const int modes = equations_.modes();
   const Eigen::Map<const Eigen::ArrayXd> u(y, modes), v(y + modes, modes);
-  const Place& place = equations_.place(t);
+  const double position = equations_.position(t), base = std::floor(position);
   const double rate = equations_.rate();
   double lasting = std::max(horizon_, time);
   int windows = 1;
   end_ = std::numeric_limits<double>::infinity();
   if (rate > 0) {
     // at least those of the time that was asked for, and one more for its roundings
-    const double needed = std::floor(place.theta + time * rate) + 2;
-    const double wanted = std::min<double>(std::ceil(place.theta + lasting * rate), most_windows);
+    const double needed = std::floor((position - base) + time * rate) + 2;
+    const double wanted =
+        std::min<double>(std::ceil((position - base) + lasting * rate), most_windows);
     windows = static_cast<int>(std::max(needed, wanted));
-    end_ = equations_.time_at(place.base + windows);
+    end_ = equations_.time_at(static_cast<std::int64_t>(base) + windows);
     lasting = std::min(lasting, end_ - t);
   }
   // what the modes do on their own in that time, and as much again for the contact forces
@@ -75,15 +76,7 @@ void EvaluatedNodes::make(double t, const double* y, double time, double range) 
   range_ = std::max({1.25 * (equations_.largest * most).sum(), range, 1e-4 * equations_.roughness});
   reference_ = u;
   const double rise = windows * equations_.spacing * (equations_.steepest * u.abs()).sum();
-  equations_.highest(place, windows, y, highest_);
-  list_.resize(highest_.size());
-  const double level = -(range_ + rise);
-  std::size_t count = 0;
-  for (Eigen::Index n = 0; n < highest_.size(); ++n) {
-    list_[count] = static_cast<int>(n);
-    count += highest_[n] >= level;
-  }
-  list_.resize(count);
+  equations_.list_above(t, static_cast<std::int64_t>(base), windows, y, -(range_ + rise), list_);
 }
 
 }  // namespace ra2d::peers

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "bench/peers/equations.hpp"
+#include "bench/peers/contact_equations.hpp"
 
 /// The nodes to evaluate: all, or a list of those that can touch for a while.
 ///
@@ -16,7 +16,7 @@ namespace ra2d::peers {
 
 class EvaluatedNodes {
  public:
-  EvaluatedNodes(Equations& equations, Nodes nodes);
+  EvaluatedNodes(ContactEquations& equations, Nodes nodes);
 
   /// Makes the list anew unless it holds for `time` [s] from a state on, at rates of up to 1.5
   /// times the present ones. Returns whether the list has changed.
@@ -37,11 +37,11 @@ class EvaluatedNodes {
   double moved(const double* y) const;
   void make(double t, const double* y, double time, double range);
 
-  Equations& equations_;
+  ContactEquations& equations_;
   Nodes nodes_;
   double horizon_;  // s
   std::vector<int> list_;
-  Eigen::ArrayXd reference_, highest_;
+  Eigen::ArrayXd reference_;
   double range_ = -1, end_ = -1;
 };
 

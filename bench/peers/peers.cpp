@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 
+#include "bench/peers/areal_equations.hpp"
 #include "bench/peers/integrators.hpp"
 #include "host/base/errors.hpp"
 
@@ -22,10 +24,10 @@ void check(const Model& model, const PeerOptions& options) {
   if (!(options.tolerance >= 1e-15 && options.tolerance <= 0.1))
     throw RequestError(
         fmt::format("tolerance = {}: expected a number from 1e-15 to 0.1", options.tolerance));
-  if (model.has_smooth_faces() || model.is_areal)
-    throw RequestError(
-        "the peers know linear faces of plane scenes alone: expected scene.faces = \"linear\" and "
-        "scene.kind = \"plane\"");
+  if (model.has_smooth_faces())
+    throw RequestError("the peers know linear faces alone: expected scene.faces = \"linear\"");
+  if (model.is_areal && options.integrator != Integrator::dopri5)
+    throw RequestError("of areal scenes the peers know dopri5 alone: expected --integrator dopri5");
   const double end = model.scene.duration * (1 + 1e-12);
   if (!(options.until > 0 && options.until <= end))
     throw RequestError(fmt::format(
@@ -35,7 +37,7 @@ void check(const Model& model, const PeerOptions& options) {
 
 }  // namespace
 
-Eigen::VectorXd natural_scale(const Equations& equations) {
+Eigen::VectorXd natural_scale(const ContactEquations& equations) {
   const Eigen::Index modes = equations.modes();
   double lowest = std::numeric_limits<double>::infinity();
   for (const double omega : equations.omega)
@@ -51,7 +53,7 @@ Eigen::VectorXd natural_scale(const Equations& equations) {
   return scale;
 }
 
-double longest_step(const Equations& equations) {
+double longest_step(const ContactEquations& equations) {
   const double stiffest =
       equations.node_stiffness * (equations.largest.square() / equations.mass).sum();
   return 2 / std::sqrt(equations.omega.square().maxCoeff() + stiffest);
@@ -59,8 +61,14 @@ double longest_step(const Equations& equations) {
 
 PeerResult march_peer(const Model& model, const ModalStart& start, const PeerOptions& options) {
   check(model, options);
-  Equations equations(model);
-  const auto modes = static_cast<Eigen::Index>(equations.modes());
+  std::unique_ptr<PlaneEquations> plane;
+  std::unique_ptr<ArealEquations> areal;
+  if (model.is_areal)
+    areal = std::make_unique<ArealEquations>(model);
+  else
+    plane = std::make_unique<PlaneEquations>(model);
+  const auto modes =
+      static_cast<Eigen::Index>(model.resonator.modes.size() + model.slider.modes.size());
   Eigen::VectorXd y(2 * modes);
   const auto copy = [&](Eigen::Index at, const std::vector<double>& from) {
     std::copy(from.begin(), from.end(), y.data() + at);
@@ -73,9 +81,14 @@ PeerResult march_peer(const Model& model, const ModalStart& start, const PeerOpt
 
   PeerResult result;
   const auto begin = std::chrono::steady_clock::now();
-  if (modes > 0)
-    (options.integrator == Integrator::dopri5 ? march_dopri5 : march_cvode)(equations, options, y,
-                                                                            result);
+  if (modes > 0) {
+    if (areal)
+      march_dopri5(*areal, options, y, result);
+    else if (options.integrator == Integrator::dopri5)
+      march_dopri5(*plane, options, y, result);
+    else
+      march_cvode(*plane, options, y, result);
+  }
   result.march_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 

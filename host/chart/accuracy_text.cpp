@@ -102,6 +102,11 @@ const Measured* cheapest(const AccuracyChart& chart, std::size_t measure, double
   return best;
 }
 
+/// Three digits, all before the point where there are more: short enough for its column.
+std::string time_cell(double seconds) {
+  return seconds < 999.5 ? fmt::format("{:.3g}", seconds) : fmt::format("{:.0f}", seconds);
+}
+
 /// Rows of one measure: a line a method.
 std::string measure_table(const AccuracyChart& chart, std::size_t measure) {
   std::string lines;
@@ -117,10 +122,10 @@ std::string measure_table(const AccuracyChart& chart, std::size_t measure) {
     lines += fmt::format("  {:<28}", row.name.text);
     for (const double target : targets) {
       const Measured* point = cheapest(chart, measure, target, same);
-      lines +=
-          fmt::format("{:<20}", point == nullptr ? std::string("-")
-                                                 : fmt::format("{:.3g} at {}", point->wall_median(),
-                                                               short_size(point->setting)));
+      lines += fmt::format("{:<20}", point == nullptr
+                                         ? std::string("-")
+                                         : fmt::format("{} at {} ", time_cell(point->wall_median()),
+                                                       short_size(point->setting)));
     }
     lines += fmt::format("{:.1e}\n", least);
   }

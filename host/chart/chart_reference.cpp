@@ -109,7 +109,7 @@ StateReference find_reference(Survey& survey) {
     const bool is_whole = run.status == Status::done && check.status == Status::done;
     reference.states.push_back(is_whole ? std::optional(run.state) : std::nullopt);
     survey.chart.reference_error.push_back(
-        is_whole ? state_error(make_model(scene), check.state, run.state) : quiet_nan);
+        is_whole ? state_error(survey.model_of(scene), check.state, run.state) : quiet_nan);
   }
   return reference;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "host/base/errors.hpp"
 #include "host/ensemble/ensemble.hpp"
@@ -66,6 +67,7 @@ std::vector<Method> long_settings(const Survey& survey, Method& reference) {
 /// Surfaces from which every law finds its start, and that of each on each of them.
 struct Surfaces {
   std::vector<int> seeds;
+  std::vector<Model> made;  // one a seed, under any setting: the faces are made once
   std::map<ContactLaw, std::vector<ModalStart>> starts;
 };
 
@@ -75,14 +77,19 @@ Surfaces to_start_from(const Survey& survey, const std::vector<Method>& settings
   for (int seed = 0; seed < (has_seeds(survey.scene) ? survey.options.seeds : 1); ++seed) {
     if (seed > 0 && survey.left(long_end) < half) break;
     std::map<ContactLaw, ModalStart> found;
+    std::optional<Model> made;
     try {
-      for (const Method& setting : settings)
-        if (!found.contains(setting.law))
-          found[setting.law] = make_start(make_model(variant(with(survey.scene, setting), seed)));
+      for (const Method& setting : settings) {
+        if (found.contains(setting.law)) continue;
+        const Scene scene = variant(with(survey.scene, setting), seed);
+        made = made ? with_settings(*made, scene) : make_model(scene);
+        found[setting.law] = make_start(*made);
+      }
     } catch (const RequestError&) {
       continue;
     }
     surfaces.seeds.push_back(seed);
+    surfaces.made.push_back(*std::move(made));
     for (auto& [law, start] : found) surfaces.starts[law].push_back(std::move(start));
   }
   return surfaces;
@@ -153,8 +160,9 @@ LongRun long_run(Survey& survey, const Method& setting, bool is_reference, const
     return row;
   }
   std::vector<Model> models;
-  for (const int seed : surfaces.seeds)
-    models.push_back(make_model(variant(with(survey.scene, setting), seed)));
+  for (std::size_t i = 0; i < surfaces.seeds.size(); ++i)
+    models.push_back(
+        with_settings(surfaces.made[i], variant(with(survey.scene, setting), surfaces.seeds[i])));
   // s of one run: twice what is expected, or its share of the time that is left
   const double left = std::max(0.0, survey.left(1.05 * long_end)) / chart.seeds;
   const double longest = std::min(left, std::max(2 * each, left / static_cast<double>(waiting)));

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
+#include <vector>
 
 #include "host/base/format.hpp"
 #include "host/scene/names.hpp"
@@ -13,15 +15,19 @@
 namespace ra2d {
 namespace {
 
-constexpr const char* peer_integrators[] = {"cvode-adams", "cvode-bdf", "dopri5"};
 constexpr double peer_tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 constexpr double peer_probe = 1e-5;  // s simulated, of the first run of each peer
 
 /// All that the peers know, where they cannot solve a scene; else empty.
 std::string limit_of_peers(const Scene& scene) {
   if (scene.contact.law != ContactLaw::penalty) return "penalty";
-  if (scene.faces != Faces::linear) return "linear faces";
-  return scene.kind != SceneKind::plane ? "plane scenes" : "";
+  return scene.faces != Faces::linear ? "linear faces" : "";
+}
+
+/// Those that solve a scene. The first of them confirms the reference.
+std::vector<std::string> integrators_of(const Scene& scene) {
+  if (scene.kind == SceneKind::areal) return {"dopri5"};
+  return {"cvode-adams", "cvode-bdf", "dopri5"};
 }
 
 }  // namespace
@@ -34,10 +40,15 @@ PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
   Scene scene = survey_.scene;
   scene.contact.law = reference_.setting.law;
   const std::string limit = limit_of_peers(scene);
-  if (survey_.options.peers.empty() || points.empty() || !limit.empty()) {
-    survey_.chart.confirmed = survey_.options.peers.empty()
-                                  ? "not confirmed: no peers"
-                                  : fmt::format("not confirmed: the peers know {} alone", limit);
+  std::string why;
+  if (survey_.options.peers.empty())
+    why = "no peers";
+  else if (!limit.empty())
+    why = fmt::format("the peers know {} alone", limit);
+  else if (points.empty())
+    why = "nothing was measured";
+  if (!why.empty()) {
+    survey_.chart.confirmed = "not confirmed: " + why;
     return;
   }
   model_ = points.front().model;
@@ -45,8 +56,9 @@ PeerAnswers::PeerAnswers(Survey& survey, const std::vector<ChartPoint>& points,
   survey_.say("the peers confirm the reference");
   confirm();
   // s of wall time for each; a peer is asked for the states and, half as long, for a timing
-  std::size_t waiting = std::size(peer_integrators) * 2 * std::size(peer_tolerances);
-  for (const char* integrator : peer_integrators)
+  const std::vector<std::string> integrators = integrators_of(scene);
+  std::size_t waiting = integrators.size() * 2 * std::size(peer_tolerances);
+  for (const std::string& integrator : integrators)
     for (const char* nodes : {"candidates", "all"})
       for (const double tolerance : peer_tolerances)
         first_answers({integrator, nodes, tolerance},
@@ -67,7 +79,7 @@ void PeerAnswers::confirm() {
   std::string failure = "the time was up (--budget)";
   const double end = survey_.elapsed() + 0.3 * survey_.left(peer_end);
   for (std::size_t t = std::size(peer_tolerances); t-- > 0;) {
-    const Peer peer{peer_integrators[0], "candidates", peer_tolerances[t]};
+    const Peer peer{integrators_of(survey_.scene).front(), "candidates", peer_tolerances[t]};
     std::vector<std::string> parts;
     for (std::size_t i = 0; i < survey_.chart.instants.size(); ++i) {
       const double limit = 0.5 * (end - survey_.elapsed());

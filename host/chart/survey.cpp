@@ -44,8 +44,13 @@ const ModalStart& Survey::start_of(ContactLaw law, const Model& model) {
                                 : starts_.emplace(law, make_start(model)).first->second;
 }
 
+Model Survey::model_of(const Scene& of) {
+  if (!made_) made_ = make_model(with(scene, methods.front()));
+  return with_settings(*made_, of);
+}
+
 TimedRun Survey::march(const Scene& marched, const RunLimits& limits) {
-  const Model model = make_model(marched);
+  const Model model = model_of(marched);
   return timed_run(model, start_of(marched.contact.law, model), limits);
 }
 

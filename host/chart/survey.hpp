@@ -31,6 +31,9 @@ struct Survey {
   bool fits(double seconds, double end) const { return seconds <= left(end); }
   /// Equilibrium of the scene under a law; found once, with the first model.
   const ModalStart& start_of(ContactLaw law, const Model& model);
+  /// The scene under another setting, or one that ends earlier (ending_at): all models share the
+  /// faces of the first, which take long to make and much memory.
+  Model model_of(const Scene& scene);
   TimedRun march(const Scene& scene, const RunLimits& limits = {});
   /// A method at a step four times finer than all that is compared, or a tolerance ten times so.
   Method finest(const Method& method) const;
@@ -43,6 +46,7 @@ struct Survey {
   AccuracyChart chart;
 
  private:
+  std::optional<Model> made_;
   std::map<ContactLaw, ModalStart> starts_;
   const Clock::time_point begun_ = Clock::now();
 };

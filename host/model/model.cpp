@@ -240,6 +240,7 @@ void make_ready(Model& m) {
     m.delta = *scene.gap;
   } else {
     // the smallest distance without overlap at t = 0
+    m.delta = 0;
     m.delta = largest_overlap(m);
   }
   check_roundings(m);
@@ -334,6 +335,17 @@ Model make_model(const Scene& scene) {
 Model make_model(const Scene& scene, const HeightMaps& maps) {
   require_y(scene);
   return areal_model(scene, maps, {});
+}
+
+Model with_settings(const Model& made, const Scene& scene) {
+  Model m = made;
+  m.scene.time = scene.time;
+  m.scene.output = scene.output;
+  m.scene.contact.law = scene.contact.law;
+  m.scene.duration = scene.duration;
+  make_ready(m);
+  m.doubts = made.doubts;
+  return m;
 }
 
 std::int64_t first_counted(const Model& model) {

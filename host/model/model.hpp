@@ -65,6 +65,11 @@ struct HeightMaps {
 /// count. Throws RequestError as for a scene.
 Model make_model(const Scene& scene, const HeightMaps& maps);
 
+/// A model of the bodies and faces of `made`, which both share, with `time`, `output`,
+/// `contact.law` and `duration` of a scene, which ends no later. Doubts stay those of `made`.
+/// Throws RequestError as for a scene.
+Model with_settings(const Model& made, const Scene& scene);
+
 /// Tick at which level and shock statistics begin: the first at or after `output.from`.
 std::int64_t first_counted(const Model& model);
 

@@ -250,6 +250,27 @@ TEST(Peers, AreAskedAndUnderstood) {
             source_folder() / "scenes" / "profile.csv");
 }
 
+TEST(Peers, OfArealScenesAreThoseThatSolveThem) {
+  const Folder folder;
+  Scene s = read_scene(scene_file("areal"));
+  s.duration = 5e-4;
+  s.spacing = 1e-4;
+  s.slider.length = s.slider.width = 4e-3;
+  s.resonator.max_frequency = 3e3;
+  const fs::path words_file = folder.path() / "words";
+  const AccuracyChart chart = measure_accuracy(
+      s, {.budget = 30,
+          .repetitions = 1,
+          .steps = {},
+          .tolerances = {1e-5},
+          .peers = script(folder, "peers", "echo $3 >> " + words_file.string() + "\nexit 3\n")});
+  EXPECT_THAT(chart.confirmed, HasSubstr("status 3"));
+  std::istringstream words(read_file(words_file));
+  int times = 0;
+  for (std::string word; words >> word; ++times) EXPECT_EQ(word, "dopri5");
+  EXPECT_GT(times, 5);
+}
+
 TEST(Peers, ThatFailSaySo) {
   const Folder folder;
   const Scene peaks = read_scene(scene_file("peaks"));

@@ -13,7 +13,9 @@
 #include "host/result/record.hpp"
 #include "host/run/samples.hpp"
 #include "host/run/v_rms.hpp"
+#include "host/scene_file/scene_file.hpp"
 #include "tests/numbers.hpp"
+#include "tests/places.hpp"
 #include "tests/scenes.hpp"
 
 namespace ra2d::test {
@@ -147,6 +149,50 @@ TEST(Clock, GivesShocksTheirTimes) {
   EXPECT_EQ(shock.peak_force, 2.0);
   EXPECT_NEAR(shock.impulse, 4e-5, 4 * eps * 4e-5);
   EXPECT_NEAR(shock.position, 100 * s.spacing, 4 * eps * 100 * s.spacing);
+}
+
+/// A model under other settings is the one that the scene would make, and shares the faces.
+TEST(WithSettings, IsTheModelOfTheScene) {
+  Scene beams = plate_scene(3, 0.004, 1e-3);
+  beams.resonator.surface = gaussian(1e-6, 1e-3, 1);
+  beams.slider.surface = gaussian(1e-6, 1e-3, 2);
+  beams.gap.reset();
+  beams.contact.stiffness = 1e15;
+  beams.time.step = 1e-7;
+  beams.speed = 0.1;
+  Scene block = read_scene(scene_file("areal"));
+  block.slider.length = block.slider.width = 2e-3;
+  for (Scene first : {beams, block}) {
+    first.duration = 2e-3;
+    first.output.rate = 1e4;
+    const Model made = make_model(first);
+    Scene second = first;
+    second.duration = 1e-3;
+    second.output.rate = 5e3;
+    second.output.window = {0.2e-3, 0.8e-3};
+    second.contact.law = ContactLaw::multiplier;
+    second.time.scheme =
+        first.time.scheme == SchemeKind::adaptive ? SchemeKind::midpoint : SchemeKind::adaptive;
+    second.time.step = 3e-7;
+    second.time.tolerance = 1e-4;
+    const Model m = with_settings(made, second), expected = make_model(second);
+    EXPECT_EQ(m.slider_height.data(), made.slider_height.data());
+    EXPECT_EQ(m.slider_height, expected.slider_height);
+    EXPECT_EQ(m.delta, expected.delta);
+    EXPECT_EQ(m.tick, expected.tick);
+    EXPECT_EQ(m.advance, expected.advance);
+    EXPECT_EQ(m.steps, expected.steps);
+    EXPECT_EQ(m.end, expected.end);
+    EXPECT_EQ(m.samples, expected.samples);
+    EXPECT_EQ(m.first_sample, expected.first_sample);
+    EXPECT_EQ(m.steps_per_sample, expected.steps_per_sample);
+    EXPECT_EQ(m.scene.time, expected.scene.time);
+    EXPECT_EQ(m.scene.duration, expected.scene.duration);
+    EXPECT_EQ(m.scene.output.rate, expected.scene.output.rate);
+    EXPECT_EQ(m.scene.contact.law, expected.scene.contact.law);
+    EXPECT_EQ(m.scene.side, expected.scene.side);
+    EXPECT_EQ(m.doubts, made.doubts);
+  }
 }
 
 TEST(Touching, IsTheSmallestGapWithoutOverlap) {

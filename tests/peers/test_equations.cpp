@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/peers/equations.hpp"
 #include "bench/peers/evaluated_nodes.hpp"
+#include "bench/peers/plane_equations.hpp"
 #include "host/body/beam.hpp"
 #include "tests/dice.hpp"
 #include "tests/numbers.hpp"
@@ -103,7 +103,7 @@ std::vector<double> times(const Model& model) {
 
 TEST_P(PeerEquations, OverlapsAreThoseOfTheHost) {
   const Model model = model_of(GetParam());
-  Equations equations(model);
+  PlaneEquations equations(model);
   test::Dice dice(1);
   for (const double t : times(model)) {
     const State state(model, dice);
@@ -125,7 +125,7 @@ TEST_P(PeerEquations, OverlapsAreThoseOfTheHost) {
 
 TEST_P(PeerEquations, RatesAndForcesAreTheSumsThatDefineThem) {
   const Model model = model_of(GetParam());
-  Equations equations(model);
+  PlaneEquations equations(model);
   test::Dice dice(2);
   const int modes = equations.modes();
   const auto modes2 = static_cast<int>(model.resonator.modes.size());
@@ -184,7 +184,7 @@ TEST_P(PeerEquations, RatesAndForcesAreTheSumsThatDefineThem) {
 
 TEST_P(PeerEquations, EveryNodeThatTouchesIsEvaluated) {
   const Model model = model_of(GetParam());
-  Equations equations(model);
+  PlaneEquations equations(model);
   test::Dice dice(3);
   const int modes = equations.modes();
   int listed = 0, touching = 0;

@@ -2,16 +2,16 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "bench/peers/contact_equations.hpp"
 #include "host/body/beam.hpp"
 #include "host/model/model.hpp"
 
-/// The equations of motion, written for speed with dense products, exact to roundings.
+/// The equations of plane scenes, written for speed with dense products, exact to roundings.
 ///
-/// State y = (U, V), the resonator's modes before the slider's. Slider node n stands d_n from the
-/// slider's middle, and that at X = x_0 + V t + (N - 1) chi/2 on the resonator. Its overlap is
+/// Slider node n stands d_n from the slider's middle, and that at X = x_0 + V t + (N - 1) chi/2 on
+/// the resonator. Its overlap is
 ///
 ///   -g_n = h_1n - delta + h_2(X + d_n) + sum_k U_k psi_k(X + d_n) + sum_k U_k psi_k(s_n).
 ///
@@ -24,11 +24,6 @@
 /// So one table of c and one of s, over half of the slider's nodes (c is even, s is odd), serve
 /// every position: the displacement of all nodes is two products with half the nodes each.
 namespace ra2d::peers {
-
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// The base of no window.
-inline constexpr std::int64_t nowhere = std::numeric_limits<std::int64_t>::min();
 
 /// Where the slider stands, within a window: between two node crossings.
 struct Place {
@@ -50,26 +45,16 @@ struct SomeNodes {
   Eigen::VectorXd height, rise;  // m: overlap of the faces at theta = 0, and what it gains per chi
 };
 
-class Equations {
+class PlaneEquations final : public ContactEquations {
  public:
-  explicit Equations(const Model& model);
+  explicit PlaneEquations(const Model& model);
 
-  int modes() const { return static_cast<int>(omega.size()); }
-  int nodes() const { return static_cast<int>(height1_.size()); }
-
-  /// Lag of an integrator's clock t behind the time that it has integrated [s]: the roundings of
-  /// t + h. Equal steps round alike: those of 1e5 steps sum to 1e-13 s, in which the faces move by
-  /// 1e-7 of a shock's overlap.
-  double lag = 0;
-  /// How often the displacements of all nodes were summed.
-  std::int64_t displacement_sums = 0;
-
-  /// Position of slider node 0 [chi], its rate [chi/s], and at which t it is at a node [s].
-  double position(double t) const { return position_ + (t + lag) * rate_; }
-  double rate() const { return rate_; }
-  double time_at(std::int64_t base) const {
-    return (static_cast<double>(base) - position_) / rate_ - lag;
-  }
+  int nodes() const override { return static_cast<int>(height1_.size()); }
+  void list_above(double t, std::int64_t base, int windows, const double* u, double level,
+                  std::vector<int>& out) override;
+  void evaluate_only(const std::vector<int>& nodes) override;
+  void contact(double t, const double* u, double* force) override;
+  void outer_force(double t, double* force) const override;
 
   /// The place at a time; with a window, seen from there: at a crossing the two differ in what lies
   /// ahead. Good until the next call.
@@ -78,9 +63,6 @@ class Equations {
 
   /// Overlap [m] of every node.
   void overlaps(const Place& place, const double* u, Eigen::ArrayXd& out);
-  /// Of every node, what bounds its overlap from above while the slider goes on to the end of
-  /// window base + windows - 1 and the displacements stay: but for what they vary along the way.
-  void highest(const Place& place, int windows, const double* u, Eigen::ArrayXd& out);
   /// Adds the modal force of a force on one node.
   void project(const Place& place, int node, double node_force, double* force);
 
@@ -96,21 +78,10 @@ class Equations {
   /// psi of every mode (node, mode).
   void shapes(const Place& place, SomeNodes& nodes, Rows& out) const;
 
-  /// The force of loads and moving forces [N m^(-1/2)], of each mode.
-  void outer_force(double t, double* force) const;
-  /// dy/dt = (V, F/m - 2 zeta omega V - omega^2 U).
-  void state_rate(const double* y, const double* force, double* rate) const;
-
   /// Times at which a moving force comes or goes [s], ascending.
   std::vector<double> force_jumps() const;
 
-  Eigen::ArrayXd omega, damping;     // of each mode: 1/s; 2 zeta omega
-  Eigen::ArrayXd mass;               // kg/m
-  Eigen::ArrayXd largest, steepest;  // bounds of |psi| and, of the resonator's, |psi'| and |psi''|
-  double node_stiffness;             // N/m
-  double spacing, speed;             // m, m/s
-  double face_rate;                  // m/s, of the overlap of the faces at the most
-  double roughness;                  // m, root mean square of both faces together
+  double face_rate;  // m/s, of the overlap of the faces at the most
 
  private:
   struct Half {
@@ -122,10 +93,8 @@ class Equations {
   void spread(const double* modes, Eigen::ArrayXd& waves) const;
   void displace(const Place& place, const double* u);
 
-  double position_, rate_;
   std::vector<BeamShape> shapes_;  // the resonator's
   double length_;                  // m, of the resonator
-  Eigen::Index modes2_, modes1_;
   /// Trigonometric and straight waves, one a mode, then the hyperbolic ones of the last modes.
   Eigen::Index hyperbolic_ = 0;
   Eigen::ArrayXd kappa_;              // 1/m^2, of each wave
@@ -134,10 +103,13 @@ class Equations {
   Eigen::Index half_;                 // nodes on one side, the middle one included
   Eigen::MatrixXd even_, odd_;        // c and s, then halves of psi (node from the middle, column)
   Eigen::ArrayXd height1_, height2_;  // h_1 - delta; h_2 and, behind its end, its last value again
-  Eigen::ArrayXd load_;
-  std::vector<MovingForce> moving_;
 
   Place place_;
+  bool evaluates_all_ = true;
+  SomeNodes evaluated_;
+  Eigen::ArrayXd overlap_;
+  std::vector<int> touching_;
+  Eigen::VectorXd some_;
   Eigen::VectorXd even_u_, odd_u_, sum_even_, sum_odd_;
   Eigen::ArrayXd u_waves_, v_waves_;
   Eigen::VectorXd with_value_, with_slope_;

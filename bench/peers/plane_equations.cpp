@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/peers/equations.hpp"
+#include "bench/peers/plane_equations.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +8,6 @@ namespace ra2d::peers {
 namespace {
 
 using Eigen::Index;
-
-double mean_square(const std::vector<double>& heights) {
-  double mean = 0, square = 0;
-  for (const double h : heights) mean += h;
-  mean /= static_cast<double>(heights.size());
-  for (const double h : heights) square += (h - mean) * (h - mean);
-  return square / static_cast<double>(heights.size());
-}
 
 /// The waves that these equations are made of are those of beams.
 std::vector<BeamShape> beam_shapes(const Body& body) {
@@ -29,32 +21,10 @@ Index padded(Index rows) { return (rows + 7) / 8 * 8; }
 
 }  // namespace
 
-Equations::Equations(const Model& model)
-    : node_stiffness{model.node_stiffness},
-      spacing{model.scene.spacing},
-      speed{model.scene.speed},
-      position_{model.position},
-      rate_{model.scene.speed / model.scene.spacing},
+PlaneEquations::PlaneEquations(const Model& model)
+    : ContactEquations{model},
       shapes_{beam_shapes(model.resonator)},
-      length_{model.resonator.length},
-      modes2_{static_cast<Index>(model.resonator.modes.size())},
-      modes1_{static_cast<Index>(model.slider.modes.size())},
-      moving_{model.scene.resonator.moving_forces} {
-  const Index modes = modes2_ + modes1_;
-  for (Eigen::ArrayXd* each : {&omega, &damping, &mass, &largest, &steepest, &load_})
-    *each = Eigen::ArrayXd::Zero(modes);
-  Index k = 0;
-  for (const Body* body : {&model.resonator, &model.slider})
-    for (std::size_t i = 0; i < body->modes.size(); ++i, ++k) {
-      const BodyMode& mode = body->modes[i];
-      omega[k] = mode.omega;
-      damping[k] = 2 * mode.zeta * mode.omega;
-      mass[k] = mode.mass;
-      largest[k] = mode.shape->largest();
-      load_[k] = body->load[i];
-      if (k < modes2_) steepest[k] = mode.shape->largest_slope(0);
-    }
-
+      length_{model.resonator.length} {
   for (const BeamShape& mode : shapes_) hyperbolic_ += mode.left != 0 || mode.right != 0;
   const Index waves = modes2_ + hyperbolic_;
   kappa_.resize(waves);
@@ -100,7 +70,6 @@ Equations::Equations(const Model& model)
   face_rate =
       rate_ *
       (height2_.tail(height2_.size() - 1) - height2_.head(height2_.size() - 1)).abs().maxCoeff();
-  roughness = std::sqrt(mean_square(model.resonator_height) + mean_square(model.slider_height));
 
   place_.value = place_.slope = place_.cosine = place_.sine = Eigen::ArrayXd::Zero(waves);
   place_.value_there = place_.slope_there = place_.value;
@@ -110,12 +79,12 @@ Equations::Equations(const Model& model)
   with_value_ = with_slope_ = Eigen::VectorXd::Zero(waves);
 }
 
-Equations::Half Equations::half_of(int node) const {
+PlaneEquations::Half PlaneEquations::half_of(int node) const {
   const Index middle = nodes() / 2;
   return node >= middle ? Half{node - middle, 1.0} : Half{(nodes() - 1) / 2 - node, -1.0};
 }
 
-void Equations::locate(Place& place) const {
+void PlaneEquations::locate(Place& place) const {
   const double x = static_cast<double>(place.base) * spacing + half_length_;
   for (Index w = 0; w < kappa_.size(); ++w) {
     const BeamShape& mode = shapes_[w < modes2_ ? w : w - hyperbolic_];
@@ -136,14 +105,14 @@ void Equations::locate(Place& place) const {
   }
 }
 
-const Place& Equations::place(double t) {
+const Place& PlaneEquations::place(double t) {
   const double at = position(t);
   const double within = at - static_cast<double>(place_.base);
   const bool same = within >= 0 && within <= 1;
   return place(t, same ? place_.base : static_cast<std::int64_t>(std::floor(at)));
 }
 
-const Place& Equations::place(double t, std::int64_t base) {
+const Place& PlaneEquations::place(double t, std::int64_t base) {
   const bool same = base == place_.base;
   if (same && t == place_.time) return place_;
   place_.base = base;
@@ -172,14 +141,14 @@ const Place& Equations::place(double t, std::int64_t base) {
   return place_;
 }
 
-void Equations::spread(const double* modes, Eigen::ArrayXd& waves) const {
+void PlaneEquations::spread(const double* modes, Eigen::ArrayXd& waves) const {
   waves.head(modes2_) = Eigen::Map<const Eigen::ArrayXd>(modes, modes2_);
   if (hyperbolic_ > 0)
     waves.tail(hyperbolic_) =
         Eigen::Map<const Eigen::ArrayXd>(modes + modes2_ - hyperbolic_, hyperbolic_);
 }
 
-void Equations::displace(const Place& place, const double* u) {
+void PlaneEquations::displace(const Place& place, const double* u) {
   ++displacement_sums;
   const Index waves = kappa_.size();
   spread(u, u_waves_);
@@ -192,7 +161,7 @@ void Equations::displace(const Place& place, const double* u) {
   sum_odd_.noalias() = odd_ * odd_u_;
 }
 
-void Equations::overlaps(const Place& place, const double* u, Eigen::ArrayXd& out) {
+void PlaneEquations::overlaps(const Place& place, const double* u, Eigen::ArrayXd& out) {
   displace(place, u);
   const Index count = nodes(), other = count - half_;
   const double theta = place.theta;
@@ -206,23 +175,61 @@ void Equations::overlaps(const Place& place, const double* u, Eigen::ArrayXd& ou
   out += height1_ + (1 - theta) * left + theta * right;
 }
 
-void Equations::highest(const Place& place, int windows, const double* u, Eigen::ArrayXd& out) {
-  displace(place, u);
+void PlaneEquations::list_above(double t, std::int64_t base, int windows, const double* u,
+                                double level, std::vector<int>& out) {
+  displace(place(t, base), u);
   const Index count = nodes(), other = count - half_;
-  out = height2_.segment(place.base, count);
+  Eigen::ArrayXd& highest = overlap_;
+  highest = height2_.segment(base, count);
   for (int i = 1; i <= windows; ++i) {
     // beyond the resonator's end its last height repeats, as often as there are slider nodes
-    const Index from = std::min<Index>(place.base + i, height2_.size() - count);
-    out = out.max(height2_.segment(from, count));
+    const Index from = std::min<Index>(base + i, height2_.size() - count);
+    highest = highest.max(height2_.segment(from, count));
   }
-  out += height1_;
-  out.tail(half_) += sum_even_.head(half_).array() + sum_odd_.head(half_).array();
-  out.head(other) += (sum_even_.segment(half_ - other, other).array() -
-                      sum_odd_.segment(half_ - other, other).array())
-                         .reverse();
+  highest += height1_;
+  highest.tail(half_) += sum_even_.head(half_).array() + sum_odd_.head(half_).array();
+  highest.head(other) += (sum_even_.segment(half_ - other, other).array() -
+                          sum_odd_.segment(half_ - other, other).array())
+                             .reverse();
+  out.resize(count);
+  std::size_t listed = 0;
+  for (Index n = 0; n < count; ++n) {
+    out[listed] = static_cast<int>(n);
+    listed += highest[n] >= level;
+  }
+  out.resize(listed);
 }
 
-void Equations::project(const Place& place, int node, double node_force, double* force) {
+void PlaneEquations::evaluate_only(const std::vector<int>& nodes) {
+  evaluates_all_ = false;
+  evaluated_.list = nodes;
+  evaluated_.base = nowhere;
+}
+
+void PlaneEquations::contact(double t, const double* u, double* force) {
+  if (evaluates_all_) {
+    const Place& here = place(t);
+    overlaps(here, u, overlap_);
+    // listed first: a loop that does nothing else is the faster one
+    touching_.resize(overlap_.size());
+    int count = 0;
+    for (Index n = 0; n < overlap_.size(); ++n) {
+      touching_[count] = static_cast<int>(n);
+      count += overlap_[n] > 0;
+    }
+    for (int i = 0; i < count; ++i)
+      project(here, touching_[i], node_stiffness * overlap_[touching_[i]], force);
+  } else if (!evaluated_.list.empty()) {
+    const Place& here = place(t);
+    overlaps(here, evaluated_, u, some_);
+    if (some_.maxCoeff() > 0) {
+      some_ = node_stiffness * some_.cwiseMax(0.0);
+      project(here, evaluated_, some_, force);
+    }
+  }
+}
+
+void PlaneEquations::project(const Place& place, int node, double node_force, double* force) {
   const auto [row, side] = half_of(node);
   const Index waves = kappa_.size();
   const auto even = even_.row(row).transpose().array(), odd = odd_.row(row).transpose().array();
@@ -233,7 +240,7 @@ void Equations::project(const Place& place, int node, double node_force, double*
   f1 -= node_force * (even.tail(modes1_) + side * odd.tail(modes1_));
 }
 
-void Equations::prepare(const Place& place, SomeNodes& nodes) const {
+void PlaneEquations::prepare(const Place& place, SomeNodes& nodes) const {
   const Index count = static_cast<Index>(nodes.list.size()), waves = kappa_.size();
   if (nodes.base == place.base && nodes.height.size() == count) return;
   nodes.base = place.base;
@@ -257,8 +264,8 @@ void Equations::prepare(const Place& place, SomeNodes& nodes) const {
   }
 }
 
-void Equations::overlaps(const Place& place, SomeNodes& nodes, const double* u,
-                         Eigen::VectorXd& out) {
+void PlaneEquations::overlaps(const Place& place, SomeNodes& nodes, const double* u,
+                              Eigen::VectorXd& out) {
   prepare(place, nodes);
   spread(u, u_waves_);
   with_value_ = place.cosine * u_waves_;
@@ -271,8 +278,8 @@ void Equations::overlaps(const Place& place, SomeNodes& nodes, const double* u,
              nodes.slope.row(i).dot(with_slope_) + nodes.slider.row(i).dot(u1);
 }
 
-void Equations::rates(const Place& place, SomeNodes& nodes, const double* u, const double* v,
-                      Eigen::VectorXd& out) {
+void PlaneEquations::rates(const Place& place, SomeNodes& nodes, const double* u, const double* v,
+                           Eigen::VectorXd& out) {
   prepare(place, nodes);
   spread(u, u_waves_);
   spread(v, v_waves_);
@@ -286,8 +293,8 @@ void Equations::rates(const Place& place, SomeNodes& nodes, const double* u, con
              nodes.slope.row(i).dot(with_slope_) + nodes.slider.row(i).dot(v1);
 }
 
-void Equations::project(const Place& place, SomeNodes& nodes, const Eigen::VectorXd& node_force,
-                        double* force) {
+void PlaneEquations::project(const Place& place, SomeNodes& nodes,
+                             const Eigen::VectorXd& node_force, double* force) {
   prepare(place, nodes);
   with_value_.setZero();
   with_slope_.setZero();
@@ -302,7 +309,7 @@ void Equations::project(const Place& place, SomeNodes& nodes, const Eigen::Vecto
   f2.tail(hyperbolic_) -= u_waves_.tail(hyperbolic_).matrix();
 }
 
-void Equations::shapes(const Place& place, SomeNodes& nodes, Rows& out) const {
+void PlaneEquations::shapes(const Place& place, SomeNodes& nodes, Rows& out) const {
   prepare(place, nodes);
   const Index count = static_cast<Index>(nodes.list.size());
   out.resize(count, modes2_ + modes1_);
@@ -313,7 +320,7 @@ void Equations::shapes(const Place& place, SomeNodes& nodes, Rows& out) const {
   out.rightCols(modes1_) = nodes.slider;
 }
 
-void Equations::outer_force(double t, double* force) const {
+void PlaneEquations::outer_force(double t, double* force) const {
   for (Index k = 0; k < load_.size(); ++k) force[k] = load_[k];
   for (const MovingForce& each : moving_) {
     const double x = each.start + each.speed * (t + lag);
@@ -326,17 +333,7 @@ void Equations::outer_force(double t, double* force) const {
   }
 }
 
-void Equations::state_rate(const double* y, const double* force, double* rate) const {
-  const Index count = omega.size();
-  const double *w = omega.data(), *c = damping.data(), *m = mass.data();
-  const double *u = y, *v = y + count;
-  for (Index k = 0; k < count; ++k) {
-    rate[k] = v[k];
-    rate[count + k] = force[k] / m[k] - c[k] * v[k] - w[k] * w[k] * u[k];
-  }
-}
-
-std::vector<double> Equations::force_jumps() const {
+std::vector<double> PlaneEquations::force_jumps() const {
   std::vector<double> out;
   for (const MovingForce& each : moving_)
     for (const double end : {0.0, length_})
