@@ -167,7 +167,6 @@ double ArealEquations::face(int row, std::int64_t at) const {
 }
 
 const Eigen::VectorXd& ArealEquations::overlaps(double t, const double* u) {
-  ++displacement_sums;
   locate(t);
   set_displacements(u);
   const auto count = static_cast<Index>(nodes_.size());
@@ -179,6 +178,7 @@ const Eigen::VectorXd& ArealEquations::overlaps(double t, const double* u) {
     coefficients.col(static_cast<Index>(l)) = coefficients_;
   }
   if (count == nodes()) {
+    ++displacement_sums;
     Eigen::Map<Eigen::MatrixXd>(overlap_.data(), row_nodes_, rows_).noalias() =
         table_.transpose() * coefficients;
     for (int j = 0; j < rows_; ++j) add_faces(j, overlap_.data() + Index{j} * row_nodes_);
@@ -237,7 +237,6 @@ void ArealEquations::contact(double t, const double* u, double* force) {
 
 void ArealEquations::list_above(double t, std::int64_t base, int windows, const double* u,
                                 double level, std::vector<int>& out) {
-  ++displacement_sums;
   locate(t);
   set_displacements(u);
   const double varies = (variation_ * Eigen::Map<const Eigen::ArrayXd>(u, modes()).abs()).sum();

@@ -52,7 +52,7 @@ class ContactEquations {
   virtual void evaluate_only(const std::vector<int>& nodes) = 0;
   /// Adds the modal forces of the penalties max(0, overlap).
   virtual void contact(double t, const double* u, double* force) = 0;
-  /// The force of loads and moving forces [N m^(-1/2)], of each mode.
+  /// The force of loads and moving forces [N m^(-1/2); areal: N/m], of each mode.
   virtual void outer_force(double t, double* force) const = 0;
   /// dy/dt = (V, F/m - 2 zeta omega V - omega^2 U).
   void state_rate(const double* y, const double* force, double* rate) const;
