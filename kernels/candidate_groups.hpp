@@ -175,11 +175,8 @@ class CandidateGroups {
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
           coarse_below <= coarse_below_ && in_vain_ <= coarse_work_)) {
       coarse_base_ = place.base;
-      // with a footprint most of a long list is left out before any sum over the modes
-      coarse_below_ = (faces_.rows.across == nullptr ? 4.0
-                       : footprint().exists()        ? 6.0
-                                                     : 3.0) *
-                      below;
+      // On maps a longer list costs more than it saves: to look at a group is to wait for memory.
+      coarse_below_ = (faces_.rows.across == nullptr ? 4.0 : 3.0) * below;
       coarse_work_ = in_vain_ = 0;
       for (int p = 0; p < filled<packs>(lanes_); ++p)
         lanes_.store(lists_.coarse_reference_u + p * width, u[p]);
