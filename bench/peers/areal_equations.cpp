@@ -201,8 +201,7 @@ const Eigen::VectorXd& ArealEquations::overlaps(double t, const double* u) {
 void ArealEquations::add_faces(int row, double* overlap) const {
   const double* const h1 = height1_.data() + static_cast<std::size_t>(row) * row_nodes_;
   const std::int64_t inner = std::clamp<std::int64_t>(row_heights_ - 1 - base_, 0, row_nodes_);
-  const double* const h2 =
-      height2_.data() + static_cast<std::size_t>(row) * row_heights_ + base_;
+  const double* const h2 = height2_.data() + static_cast<std::size_t>(row) * row_heights_ + base_;
   for (std::int64_t i = 0; i < inner; ++i)
     overlap[i] += h1[i] - delta_ + (h2[i] + theta_ * (h2[i + 1] - h2[i]));
   for (std::int64_t i = inner; i < row_nodes_; ++i)
