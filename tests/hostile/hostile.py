@@ -709,6 +709,12 @@ def study_content(folder):
     return found
 
 
+def await_checkpoint(process, runs):
+    """Until a run of a study has one, or the study ends."""
+    while process.poll() is None and not any(runs.glob("*.h5.checkpoint")):
+        time.sleep(0.002)
+
+
 def try_study(program, case, dice):
     """Every scheme and law in one study, killed again and again."""
     _, threads, kept, seed = case
@@ -724,14 +730,15 @@ def try_study(program, case, dice):
     words = ["study", "study.toml", "--threads", str(threads), "--checkpoint", CHECKPOINT["study"]]
     status = end(start(program, [*words, "-o", "whole"], folder), STUDY_PATIENCE)
     found = [] if status == 0 else [f"ended with {status}: {printed(folder)[1][-300:]!r}"]
-    went_on, attempt, longer = 0, 0, 1.0
+    went_on = attempt = 0
     while not found:
         process = start(program, [*words, "-o", "out"], folder)
         attempt += 1
-        if attempt > 2 and went_on == 0:
-            longer *= 1.5
         if attempt <= 8:
-            time.sleep(longer * SLOWER * dice.uniform(0.03, 0.2))
+            if attempt > 2 and went_on == 0:  # on a slow machine a cut falls before the first run
+                await_checkpoint(process, folder.path / "out" / "runs")
+            else:
+                time.sleep(SLOWER * dice.uniform(0.03, 0.2))
             process.send_signal(dice.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
         status = end(process, STUDY_PATIENCE)
         CUTS[status] += status != 0
