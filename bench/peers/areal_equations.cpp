@@ -106,7 +106,7 @@ ArealEquations::ArealEquations(const Model& model)
   amplitude_ = forces_ = Eigen::MatrixXd::Zero(along_, across_);
   u1_ = Eigen::VectorXd::Zero(modes1_);
   line_ = Eigen::VectorXd::Zero(along_);
-  coefficients_ = row_force_ = Eigen::VectorXd::Zero(2 * along_ + 2);
+  block_coefficients_ = row_force_ = Eigen::VectorXd::Zero(2 * along_ + 2);
   for (int j = 0; j < rows_; ++j) add_row(j, 0, row_nodes_);
 }
 
@@ -147,17 +147,17 @@ void ArealEquations::set_displacements(const double* u) {
   for (Index k = 0; k < modes1_; ++k) u1_[k] = u[modes2_ + k];
 }
 
-void ArealEquations::find_coefficients(const double* across) {
+void ArealEquations::find_coefficients(const double* across, Eigen::Ref<Eigen::VectorXd> out) {
   line_.noalias() = amplitude_ * Eigen::Map<const Eigen::VectorXd>(across, across_);
-  coefficients_.head(along_) = line_.array() * sine_;
-  coefficients_.segment(along_, along_) = line_.array() * cosine_;
+  out.head(along_) = line_.array() * sine_;
+  out.segment(along_, along_) = line_.array() * cosine_;
   double constant = 0, tilt = 0;
   for (Index k = 0; k < modes1_; ++k) {
     constant += u1_[k] * constant_[k] * across[across_ + k];
     tilt += u1_[k] * tilt_[k] * across[across_ + k];
   }
-  coefficients_[2 * along_] = constant;
-  coefficients_[2 * along_ + 1] = tilt;
+  out[2 * along_] = constant;
+  out[2 * along_ + 1] = tilt;
 }
 
 /// Beyond the resonator's end its last height repeats.
@@ -171,16 +171,14 @@ const Eigen::VectorXd& ArealEquations::overlaps(double t, const double* u) {
   set_displacements(u);
   const auto count = static_cast<Index>(nodes_.size());
   overlap_.resize(count);
-  Eigen::MatrixXd& coefficients = of_rows_;
-  coefficients.resize(coefficients_.size(), static_cast<Index>(lines_.size()));
-  for (std::size_t l = 0; l < lines_.size(); ++l) {
-    find_coefficients(across_rows_.col(lines_[l].row).data());
-    coefficients.col(static_cast<Index>(l)) = coefficients_;
-  }
+  coefficients_.resize(2 * along_ + 2, static_cast<Index>(lines_.size()));
+  for (std::size_t l = 0; l < lines_.size(); ++l)
+    find_coefficients(across_rows_.col(lines_[l].row).data(),
+                      coefficients_.col(static_cast<Index>(l)));
   if (count == nodes()) {
     ++displacement_sums;
     Eigen::Map<Eigen::MatrixXd>(overlap_.data(), row_nodes_, rows_).noalias() =
-        table_.transpose() * coefficients;
+        table_.transpose() * coefficients_;
     for (int j = 0; j < rows_; ++j) add_faces(j, overlap_.data() + Index{j} * row_nodes_);
     return overlap_;
   }
@@ -190,8 +188,9 @@ const Eigen::VectorXd& ArealEquations::overlaps(double t, const double* u) {
     for (std::size_t at = first; at < first + nodes; ++at) {
       const int i = nodes_[at];
       const double left = face(row, base_ + i), right = face(row, base_ + i + 1);
-      overlap_[static_cast<Index>(at)] = h1[i] - delta_ + (left + theta_ * (right - left)) +
-                                         table_.col(i).dot(coefficients.col(static_cast<Index>(l)));
+      overlap_[static_cast<Index>(at)] =
+          h1[i] - delta_ + (left + theta_ * (right - left)) +
+          table_.col(i).dot(coefficients_.col(static_cast<Index>(l)));
     }
   }
   return overlap_;
@@ -243,12 +242,12 @@ void ArealEquations::list_above(double t, std::int64_t base, int windows, const 
   const std::int64_t last = row_heights_ - 1;
   near_.clear();
   for (int bj = 0; bj < block_rows_; ++bj) {
-    find_coefficients(block_across_.col(bj).data());
+    find_coefficients(block_across_.col(bj).data(), block_coefficients_);
     const auto strip = strip_highest2_.col(bj);
     for (int bi = 0; bi < row_blocks_; ++bi) {
       const std::int64_t from = std::min(base + bi * block_, last);
       const std::int64_t to = std::min(base + (bi + 1) * block_ - 1 + windows, last);
-      const double displacement = block_table_.col(bi).dot(coefficients_);
+      const double displacement = block_table_.col(bi).dot(block_coefficients_);
       if (block_highest1_(bi, bj) + strip.segment(from, to - from + 1).maxCoeff() + displacement >=
           least)
         near_.push_back({bi, bj, displacement});

@@ -52,7 +52,7 @@ class ArealEquations final : public ContactEquations {
   void set_displacements(const double* u);
   /// Of a line of constant y, for `table_`; `across`: of every (n) of the plate and of every mode
   /// of the slider.
-  void find_coefficients(const double* across);
+  void find_coefficients(const double* across, Eigen::Ref<Eigen::VectorXd> out);
   double face(int row, std::int64_t at) const;
   void add_faces(int row, double* overlap) const;
 
@@ -82,11 +82,11 @@ class ArealEquations final : public ContactEquations {
 
   Eigen::MatrixXd amplitude_;  // U_mn 2/sqrt(a b)
   Eigen::VectorXd u1_, line_;
-  Eigen::VectorXd coefficients_;
-  Eigen::MatrixXd of_rows_;
-  std::vector<int> nodes_;  // evaluated: i
+  Eigen::VectorXd block_coefficients_;
+  Eigen::MatrixXd coefficients_;  // a column for each of `lines_`
+  std::vector<int> nodes_;        // evaluated: i
   std::vector<RowOfNodes> lines_;
-  Eigen::VectorXd overlap_, sums_, row_force_;
+  Eigen::VectorXd overlap_, row_force_;
   Eigen::MatrixXd forces_;  // as amplitude_
   std::vector<NearBlock> near_;
 };

@@ -15,8 +15,8 @@ Eigen::VectorXd natural_scale(const ContactEquations& equations);
 /// Of the end's time: closer than this is there.
 inline constexpr double end_slack = 1e-15;
 
-/// No step is longer [s], so that none passes over a shock: two radians of the fastest mode with a
-/// contact spring closed.
+/// No step is longer [s], so that none passes over a shock that is not shallow: two radians of the
+/// fastest mode with a contact spring closed.
 double longest_step(const ContactEquations& equations);
 
 void march_cvode(PlaneEquations& equations, const PeerOptions& options, Eigen::VectorXd& y,

@@ -46,8 +46,9 @@ struct PeerResult {
 /// With Nodes::all CVODE evaluates every gap after each step and dopri5 in each right-hand side;
 /// with Nodes::candidates at those that can touch (bench/peers/evaluated_nodes.hpp).
 ///
-/// Throws RequestError for what cannot be done (multipliers, a tolerance outside 1e-15 to 0.1, an
-/// `until` outside the scene), SimulationError when the integrator gives up.
+/// Throws RequestError for what cannot be done (multipliers, smooth faces, areal scenes by CVODE, a
+/// tolerance outside 1e-15 to 0.1, an `until` outside the scene), SimulationError when the
+/// integrator gives up.
 PeerResult march_peer(const Model& model, const ModalStart& start, const PeerOptions& options);
 
 }  // namespace ra2d::peers

@@ -711,7 +711,9 @@ def study_content(folder):
 
 def await_checkpoint(process, runs):
     """Until a run of a study has one, or the study ends."""
-    while process.poll() is None and not any(runs.glob("*.h5.checkpoint")):
+    latest = time.monotonic() + STUDY_PATIENCE
+    while (process.poll() is None and not any(runs.glob("*.h5.checkpoint"))
+           and time.monotonic() < latest):
         time.sleep(0.002)
 
 

@@ -365,7 +365,7 @@ TEST(ArealScenes, ImpulsesBalanceTheLoad) {
 }
 
 /// Bounds on what the modes can do within a step leave few nodes of a large block to be looked at,
-/// of many modes and of few: 55 and 450 a step, of 160 000. With bounds by the modes' sizes alone,
+/// of many modes and of few: 50 and 450 a step, of 160 000. With bounds by the modes' sizes alone,
 /// as two faults on purpose have them, they are 160 and 10 000.
 TEST(ArealScenes, OfALargeBlockFewNodesAreEvaluated) {
   struct Case {
