@@ -108,6 +108,19 @@ inline constexpr int gauss_points = 8;
 /// Length of each of the rule's two rows, points and weights, padded for any number of lanes.
 inline constexpr int gauss_row = 32;
 
+/// Lobatto's rules for the integral of V^2 over a piece of a step of raised order: of 5, 7 and 9
+/// points, the ends among them. Rules of n points leave out of the square of a motion that turns by
+/// theta at the most
+///   n (n - 1)^3 (n - 2)!^4/((2 n - 1) (2 n - 2)!^3) (2 theta)^(2 n - 2).
+/// It turns by up to 4.3 over the usable length of a series. So for pieces of up to `most_by_five`
+/// of that, five points leave out 1e-9, seven do so of up to `most_by_seven`, and nine 2e-8 of all.
+inline constexpr int lobatto_inner[] = {3, 5, 7};  // points between the ends
+inline constexpr double most_by_five = 0.12, most_by_seven = 0.42;
+inline constexpr int lobatto_rules = 3;
+/// Numbers of a rule: a row of its inner points, from 0 to 1, then one of their weights, and that
+/// of an end.
+inline constexpr int lobatto_row = 8, lobatto_numbers = 2 * lobatto_row;
+
 /// Points of an adaptive step between smooth faces at which the equations of motion hold: those of
 /// Lobatto's rule, the first at its beginning and the last at its end.
 inline constexpr int collocation_points = 9, last_point = collocation_points - 1;
@@ -409,6 +422,7 @@ struct SeriesTables {
   const double* inverse_mass = nullptr;  // m/kg
   const double* hull = nullptr;          // (order, coefficient, overlap_terms): see Hull
   const double* gauss = nullptr;         // points in (0, 1), then weights: two rows of gauss_row
+  const double* lobatto = nullptr;       // (rule, lobatto_numbers)
 };
 
 /// Clusters of nodes that share their sums over the modes, in areal scenes.
@@ -515,6 +529,7 @@ void visit_shared_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
   if (n.cluster_degree > 0) visit("cluster_remainder", t.clusters.remainder, lanes);
   visit("hull", t.adaptive.hull, n.series_orders() * std::size_t{hull_length});
   visit("gauss", t.adaptive.gauss, std::size_t{2 * gauss_row});
+  visit("lobatto", t.adaptive.lobatto, std::size_t{lobatto_rules * lobatto_numbers});
   if (n.smooth) visit("collocation", t.collocation.paces, std::size_t{paces * pace_numbers});
 }
 /// Then those of a scene's own.

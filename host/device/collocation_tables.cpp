@@ -3,8 +3,9 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
+#include <vector>
 
+#include "host/device/lobatto.hpp"
 #include "kernels/adaptive/pace.hpp"
 
 namespace ra2d {
@@ -13,16 +14,9 @@ namespace {
 using Real = long double;
 constexpr int degree = last_point;
 
-/// Legendre polynomials of the degrees 0 ... degree + 1 at y in [-1, 1].
-std::array<Real, degree + 2> legendre(Real y) {
-  std::array<Real, degree + 2> p{1, y};
-  for (int k = 1; k <= degree; ++k) p[k + 1] = ((2 * k + 1) * y * p[k] - k * p[k - 1]) / (k + 1);
-  return p;
-}
-
-/// Their integrals from -1 on, up to `degree`.
+/// Integrals of the Legendre polynomials up to `degree`, from -1 to y.
 std::array<Real, degree + 1> legendre_integrals(Real y) {
-  const auto p = legendre(y);
+  const auto p = legendre(y, degree + 1);
   std::array<Real, degree + 1> integrals{y + 1};
   for (int k = 1; k <= degree; ++k) integrals[k] = (p[k + 1] - p[k - 1]) / (2 * k + 1);
   return integrals;
@@ -42,33 +36,16 @@ std::array<std::array<Real, degree + 1>, degree + 1> legendre_powers() {
   return c;
 }
 
-/// The points in [-1, 1]: both ends, and where the slope of the Legendre polynomial vanishes.
-std::array<Real, collocation_points> lobatto_points() {
-  std::array<Real, collocation_points> points;
-  for (int i = 0; i <= degree; ++i) {
-    Real y = -std::cos(std::numbers::pi_v<Real> * i / degree);
-    for (int n = 0; n < 20 && i > 0 && i < degree; ++n) {
-      const auto p = legendre(y);
-      y -= (y * p[degree] - p[degree - 1]) / ((degree + 1) * p[degree]);
-    }
-    points[i] = y;
-  }
-  points[0] = -1;
-  points[degree] = 1;
-  return points;
-}
-
 using Matrix = std::array<std::array<Real, collocation_points>, collocation_points>;
 
 /// (k, j): coefficient of degree k in the polynomial that is 1 at point j and 0 at the others.
-Matrix legendre_coefficients(const std::array<Real, collocation_points>& points) {
+Matrix legendre_coefficients(const LobattoRule& rule) {
   Matrix c;
   for (int j = 0; j <= degree; ++j) {
-    const auto p = legendre(points[j]);
-    const Real weight = 2 / (degree * (degree + 1) * p[degree] * p[degree]);
+    const auto p = legendre(rule.points[j], degree);
     // the rule takes the square of the highest one for 2/degree
     for (int k = 0; k <= degree; ++k)
-      c[k][j] = weight * p[k] * (k < degree ? Real(2 * k + 1) : Real(degree)) / 2;
+      c[k][j] = rule.weights[j] * p[k] * (k < degree ? Real(2 * k + 1) : Real(degree)) / 2;
   }
   return c;
 }
@@ -76,8 +53,9 @@ Matrix legendre_coefficients(const std::array<Real, collocation_points>& points)
 }  // namespace
 
 void fill_collocation(double* table) {
-  const auto points = lobatto_points();
-  const Matrix coefficients = legendre_coefficients(points);
+  const LobattoRule rule = lobatto_rule(collocation_points);
+  const std::vector<Real>& points = rule.points;
+  const Matrix coefficients = legendre_coefficients(rule);
   const auto powers = legendre_powers();
   Matrix integral{};  // (i, j): from the beginning to point i, of what is 1 at point j alone
   for (int i = 0; i <= degree; ++i) {

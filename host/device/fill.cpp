@@ -9,6 +9,7 @@
 #include "host/device/flight_tables.hpp"
 #include "host/device/footprint_tables.hpp"
 #include "host/device/gauss.hpp"
+#include "host/device/lobatto.hpp"
 #include "host/model/bounds.hpp"
 #include "host/model/step_bounds.hpp"
 #include "host/scene/schemes.hpp"
@@ -532,6 +533,7 @@ void Filler::adaptive() {
   double* const gauss = host_(tables_.adaptive.gauss);
   std::copy_n(gauss_place, gauss_points, gauss);
   std::copy_n(gauss_weight, gauss_points, gauss + gauss_row);
+  fill_lobatto(host_(tables_.adaptive.lobatto));
   tables_.adaptive.most_raised = n_.higher_orders;
   for (int i = 0; i < static_cast<int>(n_.series_orders()); ++i)
     fill_hull(host_(tables_.adaptive.hull) + i * hull_length, tables_.adaptive.order + 2 * i + 3);

@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <memory>
 #include <string_view>
 
 #include "host/store/hdf5.hpp"
+#include "host/store/seal.hpp"
+#include "host/store/sealed_hdf5.hpp"
 #include "host/store/table.hpp"
 
 namespace ra2d {
@@ -53,9 +56,9 @@ void require_as_given(bool right) {
   if (!right) throw h5::Failure{"what was written does not read back", EIO};
 }
 
-void read_back(const std::filesystem::path& path, const GivenContent& given) {
-  const h5::Properties access = h5::file_access();
-  h5::File file{check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
+void read_back(const std::filesystem::path& path, int descriptor, const GivenContent& given) try {
+  const auto bytes = std::make_shared<SealedBytes>(descriptor);
+  h5::File file = open_sealed(path, bytes);
   for (const h5::GivenAttribute& attribute : given.attributes)
     require_as_given(h5::holds(file, attribute));
   for (const auto& [path_of_group, attribute] : given.of_groups) {
@@ -82,6 +85,9 @@ void read_back(const std::filesystem::path& path, const GivenContent& given) {
     require_as_given(h5::holds(table.dataset, {"xxh3_128", table.hash.text()}));
   }
   check(file.close());
+  bytes->check_rest();
+} catch (const Unreadable&) {
+  require_as_given(false);
 }
 
 }  // namespace ra2d

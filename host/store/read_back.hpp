@@ -28,7 +28,8 @@ struct GivenContent {
 /// Throws h5::Failure where something is not as it was given.
 void require_as_given(bool right);
 
-/// Opens a closed file as a reader would: all that was given must be in it. Throws h5::Failure.
-void read_back(const std::filesystem::path& file, const GivenContent& given);
+/// Opens a sealed file, of an open descriptor, as a reader would: all that was given must be in it,
+/// and its seal fit every byte. Each is read once. Throws h5::Failure.
+void read_back(const std::filesystem::path& file, int descriptor, const GivenContent& given);
 
 }  // namespace ra2d

@@ -127,7 +127,7 @@ int append_seal(int descriptor) try {
 }
 
 bool has_fitting_seal(int descriptor) try {
-  SealedBytes(descriptor).check_all();
+  SealedBytes(descriptor).check_rest();
   return true;
 } catch (const Unreadable&) {
   return false;
@@ -160,17 +160,19 @@ SealedBytes::SealedBytes(int descriptor) : descriptor_{descriptor} {
       expected = seal_line(SealFormat::blocks, size_, digest_of(table_));
   }
   if (line != expected) throw Unsealed(damaged_text);
+  checked_.resize(table_.size() / sizeof(Digest));
 }
 
 /// Reads whole blocks, or up to the end, and compares them with the table.
-void SealedBytes::read_blocks(std::uint64_t at, char* to, std::size_t count) const {
+void SealedBytes::read_blocks(std::uint64_t at, char* to, std::size_t count) {
   std::string_view bytes = read_part(descriptor_, to, count, at);
   if (bytes.size() < count) throw Unsealed(damaged_text);  // it was cut short meanwhile
-  const char* digest = table_.data() + at / sealed_block * sizeof(Digest);
+  std::size_t number = at / sealed_block;
   for (; !bytes.empty(); bytes.remove_prefix(std::min(sealed_block, bytes.size()))) {
     const Digest found = digest_of(bytes.substr(0, sealed_block));
-    if (std::memcmp(digest, found.data(), found.size()) != 0) throw Unsealed(damaged_text);
-    digest += sizeof(Digest);
+    if (std::memcmp(table_.data() + number * sizeof(Digest), found.data(), found.size()) != 0)
+      throw Unsealed(damaged_text);
+    checked_[number++] = true;
   }
 }
 
@@ -202,11 +204,20 @@ void SealedBytes::read(std::uint64_t at, char* to, std::size_t count) {
   }
 }
 
-void SealedBytes::check_all() {
+void SealedBytes::check_rest() {
   std::string part(bytes_at_once, '\0');
-  for (std::uint64_t at = 0; at < size_; at += bytes_at_once)
+  const auto next = [&](std::size_t from, bool checked) {
+    return static_cast<std::size_t>(
+        std::find(checked_.begin() + static_cast<std::ptrdiff_t>(from), checked_.end(), checked) -
+        checked_.begin());
+  };
+  for (std::size_t first = 0; (first = next(first, false)) < checked_.size();) {
+    const std::uint64_t at = first * sealed_block;
+    const std::uint64_t left =
+        std::min<std::uint64_t>(next(first, true) * sealed_block, size_) - at;
     read_blocks(at, part.data(),
-                static_cast<std::size_t>(std::min<std::uint64_t>(bytes_at_once, size_ - at)));
+                static_cast<std::size_t>(std::min<std::uint64_t>(left, part.size())));
+  }
 }
 
 bool looks_like_hdf5(const std::filesystem::path& file) {
@@ -221,7 +232,7 @@ bool looks_like_hdf5(const std::filesystem::path& file) {
 
 void require_seal(const std::filesystem::path& file) {
   const InputFile input(file);
-  SealedBytes(input.descriptor()).check_all();
+  SealedBytes(input.descriptor()).check_rest();
 }
 
 }  // namespace ra2d

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/base/hash.hpp"
 
@@ -50,17 +51,18 @@ class SealedBytes {
   std::uint64_t size() const { return size_; }
   /// Reads bytes before size(). Throws Unreadable, and Unsealed where one is damaged.
   void read(std::uint64_t at, char* to, std::size_t count);
-  /// Reads everything, and throws as read().
-  void check_all();
+  /// Reads all that read() has not yet, and throws as it does.
+  void check_rest();
 
  private:
-  void read_blocks(std::uint64_t at, char* to, std::size_t count) const;
+  void read_blocks(std::uint64_t at, char* to, std::size_t count);
 
   static constexpr std::uint64_t no_block = ~std::uint64_t{0};
 
   int descriptor_;
   std::uint64_t size_ = 0;
   std::string table_;                       // a Digest each block
+  std::vector<bool> checked_;               // whether it has been compared
   std::uint64_t held_ = no_block;           // number of the block that is kept for the next read
   std::array<char, sealed_block> block_{};  // its bytes
 };

@@ -34,13 +34,13 @@ struct SealedFile {
 
 /// An open file as HDF5 knows it. HDF5 fills in the base.
 struct DriverFile : H5FD_t {
-  std::unique_ptr<SealedFile> file;
+  std::shared_ptr<SealedBytes> bytes;
   haddr_t end_of_allocation = 0;
 };
 
-/// Carries the file from open_sealed() to the driver. HDF5 copies it byte by byte.
+/// Carries the bytes from open_sealed() to the driver. HDF5 copies it byte by byte.
 struct DriverRequest {
-  std::unique_ptr<SealedFile>* file;
+  std::shared_ptr<SealedBytes>* bytes;
 };
 
 DriverFile& driver_file(H5FD_t* file) { return *static_cast<DriverFile*>(file); }
@@ -53,10 +53,10 @@ void report(const char* reason) {
 
 H5FD_t* open_driver(const char*, unsigned flags, hid_t access, haddr_t) {
   const auto* const request = static_cast<const DriverRequest*>(H5Pget_driver_info(access));
-  if (request == nullptr || *request->file == nullptr || (flags & H5F_ACC_RDWR) != 0)
+  if (request == nullptr || *request->bytes == nullptr || (flags & H5F_ACC_RDWR) != 0)
     return nullptr;
   auto* const opened = new (std::nothrow) DriverFile{};
-  if (opened != nullptr) opened->file = std::move(*request->file);
+  if (opened != nullptr) opened->bytes = std::move(*request->bytes);
   return opened;
 }
 
@@ -80,7 +80,7 @@ herr_t set_end_of_allocation(H5FD_t* file, H5FD_mem_t, haddr_t end) {
   return 0;
 }
 
-haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return driver_file(file).file->bytes.size(); }
+haddr_t end_of_file(const H5FD_t* file, H5FD_mem_t) { return driver_file(file).bytes->size(); }
 
 template <class Number>
 Number number_at(SealedBytes& bytes, std::uint64_t at) {
@@ -115,7 +115,7 @@ bool is_whole_heap(SealedBytes& bytes, std::uint64_t heap) {
 
 /// Zeros stand behind the end, as in HDF5's own drivers.
 herr_t read_driver(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t count, void* to) try {
-  SealedBytes& bytes = driver_file(file).file->bytes;
+  SealedBytes& bytes = *driver_file(file).bytes;
   const std::uint64_t left = bytes.size() - std::min<std::uint64_t>(at, bytes.size());
   const auto there = static_cast<std::size_t>(std::min<std::uint64_t>(count, left));
   if (there > 0) bytes.read(at, static_cast<char*>(to), there);
@@ -170,9 +170,13 @@ h5::CrashWatch::CrashWatch(const std::filesystem::path& file)
                       printable(file.string()))) {}
 
 h5::File open_sealed(const std::filesystem::path& path) {
-  auto file = std::make_unique<SealedFile>(path);
+  const auto file = std::make_shared<SealedFile>(path);
+  return open_sealed(path, {file, &file->bytes});
+}
+
+h5::File open_sealed(const std::filesystem::path& path, std::shared_ptr<SealedBytes> bytes) {
   const h5::Properties access{h5::check(H5Pcreate(H5P_FILE_ACCESS))};
-  const DriverRequest request{&file};
+  const DriverRequest request{&bytes};
   h5::check(H5Pset_driver(access, sealed_driver(), &request));
   return h5::File{h5::check(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access))};
 }

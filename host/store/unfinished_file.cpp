@@ -195,8 +195,7 @@ double UnfinishedFile::finish(const ResultSummary& summary, const std::filesyste
       throw h5::system_failure(error);
     partial_->sync();
     const Clock::time_point written = Clock::now();
-    require_as_given(has_fitting_seal(partial_->descriptor()));
-    read_back(partial_->path(), given_);
+    read_back(partial_->path(), partial_->descriptor(), given_);
     reading_back = seconds_since(written);
     if (kept != nullptr) *kept = std::make_unique<InputFile>(partial_->path());
     name.empty() ? partial_->publish() : partial_->publish(name);

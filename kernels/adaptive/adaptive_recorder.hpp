@@ -128,18 +128,36 @@ class AdaptiveRecorder {
   RA2D_FUNCTION bool add_drive(const Series& series, const Place& place, std::int64_t tick,
                                const Modes& now, std::int64_t ticks, double end,
                                Modes& there) const {
-    series.expand_squares();
-    while (true) {
-      const bool is_sample = is_within(tick, ticks);
-      if (is_sample && !can_take_sample()) return false;
-      const double x = is_sample ? series.x_at(sample_tick() - tick) : end;
+    if (series.has_series_of_squares()) series.expand_squares();
+    const auto apart = static_cast<std::int64_t>(output_.steps_per_sample);
+    // those too that the launch before has written: in other pieces squares have other roundings
+    std::int64_t sample =
+        is_within(tick, ticks) ? (tick + apart - 1) / apart * apart : tick + ticks;
+    double last_x = 0.0;
+    Modes last;  // at last_x
+    last.take(lanes_, now);
+    for (;; sample += apart) {
+      const bool is_sample = sample < tick + ticks && sample < output_.samples * apart;
+      const double x = is_sample ? series.x_at(sample - tick) : end;
       Modes at;
-      series.squares(x, at.square);
-      add_squares(now, at);
+      if (is_sample) [[unlikely]]
+        series.state(x, at.u, at.v);
+      else
+        at.take(lanes_, there);
+      if (series.has_series_of_squares()) {
+        series.squares(x, at.square);
+        add_squares(now, at);
+      } else {
+        for (int p = 0; p < filled<packs>(lanes_); ++p) at.square[p] = last.square[p];
+        series.add_squares(last_x, last.v, x, at.v, at.square);
+        last_x = x;
+        last.take(lanes_, at);
+      }
+      if (is_sample && sample < sample_tick()) continue;
+      if (is_sample && !can_take_sample()) return false;
       sum_nodes(series, x);
       const double sliding = sliding_work(), moving = moving_forces_.work(series, x);
       if (is_sample) [[unlikely]] {
-        series.state(x, at.u, at.v);
         Contact contact = springs_at(series, x);
         contact.sliding_work = sliding;
         contact.force_work = moving;

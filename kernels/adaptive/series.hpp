@@ -146,7 +146,7 @@ class ModalSeries {
   /// error: those that follow are smaller by the ratio of neighbours, so the step is on the safe
   /// side. Errors and state are measured in the energy norm, whose square is sum m (V^2 +
   /// omega^2 U^2) and the energy of the springs.
-  RA2D_FUNCTION double usable_length(double tolerance) const {
+  RA2D_FUNCTION double usable_length(double tolerance) {
     const int order = order_;
     Real state(0.0), acceleration(0.0), before(0.0), last(0.0);
     const double per = 1.0 / scale_;
@@ -181,6 +181,7 @@ class ModalSeries {
           Kokkos::exp2(0.5 * Kokkos::log2(tolerance * tolerance * (size / term)) / (j - 1.0));
       if (x < usable) usable = x;
     }
+    usable_ = usable;
     return usable;
   }
   /// A step grows by no more than this: terms that happen to vanish say nothing about the next.
@@ -322,9 +323,14 @@ class ModalSeries {
     lanes_.sync();
   }
 
+  /// Whether the integral of V^2 has a series of its own. Steps of raised order turn the fastest
+  /// modes by so much that one of as many terms would leave out a part of it, to be seen in the
+  /// energy balance: there it is added up piece by piece (add_squares).
+  KOKKOS_FORCEINLINE_FUNCTION bool has_series_of_squares() const {
+    return order_ == adaptive_.order;
+  }
   /// The series of the integral of V^2, in ticks: buffers_.squares, without its factor x.
   RA2D_FUNCTION void expand_squares() const {
-    if (order_ > adaptive_.order) return;
     const double ticks =
         1.0 / (scale_ * motion_.time_step);  // of V^2 = (dU/dx)^2/scale^2, scale/tick
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
@@ -346,12 +352,8 @@ class ModalSeries {
       }
     }
   }
-  /// That integral from the beginning of the step to x. Steps of higher order turn the fastest
-  /// modes by so much that a series of as many terms would leave out a part of the square, to be
-  /// seen in the energy balance: there it is Gauss' rule.
+  /// That integral from the beginning of the step to x.
   RA2D_FUNCTION void squares(double x, Real* square) const {
-    if (order_ > adaptive_.order) [[unlikely]]
-      return squares_by_rule(x, square);
     const Real at(x);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real sum = load_pack(lanes_, buffers_.squares + (order_ - 1) * row, p);
@@ -359,6 +361,17 @@ class ModalSeries {
         sum = multiply_add(sum, at, load_pack(lanes_, buffers_.squares + n * row, p));
       square[p] = sum * at;
     }
+  }
+  /// Adds the integral of V^2, in ticks, from x0 to x1, where the velocities are v0 and v1.
+  RA2D_FUNCTION void add_squares(double x0, const Real* v0, double x1, const Real* v1,
+                                 Real* square) const {
+    const double share = (x1 - x0) / usable_;
+    if (share <= most_by_five)
+      add_squares_by<0>(x0, v0, x1, v1, square);
+    else if (share <= most_by_seven)
+      add_squares_by<1>(x0, v0, x1, v1, square);
+    else
+      add_squares_by<2>(x0, v0, x1, v1, square);
   }
 
  private:
@@ -376,7 +389,7 @@ class ModalSeries {
   SeriesBuffers& buffers_;
   const Hull* hulls_;
   int order_;
-  double scale_ = 1.0, neglected_ = 0.0;
+  double scale_ = 1.0, usable_ = 1.0, neglected_ = 0.0;
   int wanted_terms_ = 2;
 
   KOKKOS_FORCEINLINE_FUNCTION Real coefficient(int j, int p) const {
@@ -386,20 +399,27 @@ class ModalSeries {
     lanes_.store(buffers_.modes + j * row + p * width, x);
   }
 
-  RA2D_FUNCTION void squares_by_rule(double x, Real* square) const {
-    const double per_tick = x / (scale_ * motion_.time_step);
+  template <int rule>
+  RA2D_FUNCTION void add_squares_by(double x0, const Real* v0, double x1, const Real* v1,
+                                    Real* square) const {
+    constexpr int inner = lobatto_inner[rule];
+    const double* const at = adaptive_.lobatto + rule * lobatto_numbers;
+    const double* const weight = at + lobatto_row;
+    const double ticks = (x1 - x0) * scale_ / motion_.time_step;
+    const double per2 = 1.0 / (scale_ * scale_);  // V^2 = (dU/dx)^2/scale^2
+    double x[inner];
+    for (int g = 0; g < inner; ++g) x[g] = Kokkos::fma(x1 - x0, at[g], x0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real v[gauss_points];  // dU/dx
-      for (int g = 0; g < gauss_points; ++g) v[g] = Real(0.0);
+      Real rate[inner];  // dU/dx
+      for (int g = 0; g < inner; ++g) rate[g] = Real(0.0);
       for (int j = order_; j >= 1; --j) {
         const Real term = Real(static_cast<double>(j)) * coefficient(j, p);
-        for (int g = 0; g < gauss_points; ++g)
-          v[g] = multiply_add(Real(x * adaptive_.gauss[g]), v[g], term);
+        for (int g = 0; g < inner; ++g) rate[g] = multiply_add(Real(x[g]), rate[g], term);
       }
-      Real sum(0.0);
-      for (int g = 0; g < gauss_points; ++g)
-        sum = multiply_add(Real(adaptive_.gauss[gauss_row + g]) * v[g], v[g], sum);
-      square[p] = Real(per_tick) * sum;
+      Real sum = Real(weight[inner]) * multiply_add(v0[p], v0[p], v1[p] * v1[p]);
+      for (int g = 0; g < inner; ++g)
+        sum = multiply_add(Real(per2 * weight[g]) * rate[g], rate[g], sum);
+      square[p] = multiply_add(Real(ticks), sum, square[p]);
     }
   }
 

@@ -171,6 +171,34 @@ TEST_F(SealedFile, WhatChangesAfterTheOpeningIsNotRead) {
   EXPECT_THROW(sealed.read(19'000, found.data(), 2000), Unsealed);
 }
 
+TEST_F(SealedFile, TheRestIsReadOnceAndWhole) {
+  const auto spoil = [&](std::size_t at) {
+    std::string damaged = bytes_;
+    damaged[at] ^= 1;
+    put(damaged + seal_of(bytes_));
+  };
+  // blocks 1 to 4, and 10
+  const auto rest_fits = [&](std::size_t damaged_at) {
+    put(bytes_ + seal_of(bytes_));
+    const InputFile input(path_);
+    SealedBytes sealed(input.descriptor());
+    std::string found(size, '?');
+    sealed.read(4096, found.data(), 13'000);
+    sealed.read(41'000, found.data(), 100);
+    spoil(damaged_at);
+    try {
+      sealed.check_rest();
+    } catch (const Unsealed&) {
+      return false;
+    }
+    return true;
+  };
+  for (std::size_t block = 0; block * sealed_block < size; ++block) {
+    const bool was_read = (block >= 1 && block <= 4) || block == 10;
+    EXPECT_EQ(rest_fits(std::min(block * sealed_block + 4000, size - 1)), was_read) << block;
+  }
+}
+
 TEST(Seal, WaitsForNoPipeAndReadsNoDevice) {
   const test::Folder folder;
   const fs::path pipe = folder.path() / "pipe";

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/device/gauss.hpp"
+#include "host/device/lobatto.hpp"
 #include "host/model/model.hpp"
 #include "kernels/adaptive/series.hpp"
 #include "kernels/gap.hpp"
@@ -453,13 +454,6 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
   for (int trial = 0; trial < 100; ++trial) {
     const double tolerance = std::pow(10.0, -4 - trial % 10);
     Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
-    // of a raised order by Gauss' rule
-    std::vector<double> gauss(2 * gauss_row);
-    std::copy_n(gauss_place, gauss_points, gauss.begin());
-    std::copy_n(gauss_weight, gauss_points, gauss.begin() + gauss_row);
-    b.t.adaptive.gauss = gauss.data();
-    b.t.adaptive.most_raised = 4;
-    b.s.carried.control.raised = trial % 4;
     b.expand(0.5 / b.quickest);
     b.motion.expand_squares();
     const double x = 0.5 * std::min(1.0, b.motion.usable_length(tolerance));
@@ -483,6 +477,78 @@ TEST(ModalSeries, SumsTheSquareOfTheVelocity) {
       EXPECT_NEAR(sum[k], static_cast<double>(exact) * ticks,
                   (64 * eps * static_cast<double>(largest) + 4 * left) * ticks)
           << "trial " << trial << ", mode " << k;
+    }
+  }
+}
+
+TEST(LobattoRules, LeaveOutOfASquareWhatTheyShould) {
+  std::vector<double> table(lobatto_rules * lobatto_numbers);
+  fill_lobatto(table.data());
+  const double theta = 4.3;
+  const double shares[] = {most_by_five, most_by_seven, 1.0}, left[] = {1e-9, 1e-9, 2e-8};
+  for (int rule = 0; rule < lobatto_rules; ++rule) {
+    const int inner = lobatto_inner[rule], n = inner + 2;
+    const double* const at = table.data() + rule * lobatto_numbers;
+    const double* const weight = at + lobatto_row;
+    const auto of_power = [&](int power) {
+      double sum = weight[inner] * (power == 0 ? 2.0 : 1.0);
+      for (int g = 0; g < inner; ++g) sum += weight[g] * std::pow(at[g], power);
+      return sum;
+    };
+    for (int power = 0; power <= 2 * n - 3; ++power)
+      EXPECT_NEAR(of_power(power), 1.0 / (power + 1), 8 * eps) << n << " points, power " << power;
+    const double beyond = n * std::pow(n - 1, 3) * std::pow(std::tgamma(n - 1), 4) /
+                          ((2 * n - 1) * std::pow(std::tgamma(2 * n - 1), 3));
+    EXPECT_NEAR(of_power(2 * n - 2) - 1.0 / (2 * n - 1), beyond * std::tgamma(2 * n - 1), 8 * eps)
+        << n << " points";
+    const double left_out = beyond * std::pow(2 * theta * shares[rule], 2 * n - 2);
+    EXPECT_LT(left_out, 1.1 * left[rule]) << n << " points";
+    EXPECT_GT(left_out, 0.5 * left[rule]) << n << " points";
+  }
+}
+
+TEST(ModalSeries, SumsTheSquareOfTheVelocityPieceByPiece) {
+  Dice dice(9);
+  std::vector<double> table(lobatto_rules * lobatto_numbers);
+  fill_lobatto(table.data());
+  for (int trial = 0; trial < 100; ++trial) {
+    const double tolerance = std::pow(10.0, -4 - trial % 9);
+    Bodies b(dice, tolerance, 1e4, 1e6, trial % 3);
+    b.t.adaptive.lobatto = table.data();
+    b.t.adaptive.most_raised = 4;
+    b.s.carried.control.raised =
+        std::min(1 + trial % 4, (most_order - series_order(tolerance)) / 2);
+    b.expand(0.5 / b.quickest);
+    ASSERT_FALSE(b.motion.has_series_of_squares());
+    const double usable = b.motion.usable_length(tolerance);
+    // one piece for each rule
+    const double ends[] = {0.0, 0.1 * usable, 0.4 * usable, usable};
+    Real square[K], v[2][K], u[K];
+    for (int p = 0; p < K; ++p) square[p] = Real(0.0);
+    b.motion.state(0.0, u, v[0]);
+    for (int piece = 0; piece < 3; ++piece) {
+      const double begin = ends[piece], end = ends[piece + 1];
+      b.motion.state(end, u, v[1]);
+      Real before[K];
+      for (int p = 0; p < K; ++p) before[p] = square[p];
+      b.motion.add_squares(begin, v[0], end, v[1], square);
+      Amplitudes sum;
+      for (int p = 0; p < K; ++p) lanes.store(sum.data() + p * width, square[p] - before[p]);
+      const double ticks = (end - begin) * b.motion.scale() / b.t.motion.time_step;
+      for (int k = 0; k < modes; ++k) {
+        long double exact = 0;
+        for (int part = 0; part < 4; ++part)
+          for (int g = 0; g < gauss_points; ++g) {
+            const double x = begin + (end - begin) * (part + gauss_place[g]) / 4;
+            const long double rate = b.derivative(1, k, x) / b.motion.scale();
+            exact += gauss_weight[g] / 4 * rate * rate;
+          }
+        const double all = std::pow(b.norm(b.u, b.v), 2) / b.mass[k];
+        EXPECT_NEAR(sum[k], static_cast<double>(exact) * ticks,
+                    (piece < 2 ? 1e-9 : 2e-8) * all * ticks)
+            << "trial " << trial << ", mode " << k << ", piece " << piece;
+      }
+      std::copy(v[1], v[1] + K, v[0]);
     }
   }
 }
