@@ -8,22 +8,34 @@
 namespace ra2d {
 namespace {
 
-/// Kinetic and elastic energy of one body's modes [J].
-void add_energy(const Body& body, const double* u, const double* v, double& kinetic,
-                double& elastic) {
-  for (std::size_t k = 0; k < body.modes.size(); ++k) {
-    const Mode& mode = body.modes[k];
-    const double stretch = mode.omega * u[k];
-    kinetic += 0.5 * mode.mass * v[k] * v[k];
-    elastic += 0.5 * mode.mass * stretch * stretch;
+/// A body's energies, and the work that its load has done since the start [J]. One loop finds them
+/// all: each addition waits for the one before in its own sum.
+class Energies {
+ public:
+  Energies(const Body& body, const std::vector<double>& start) {
+    for (std::size_t k = 0; k < body.modes.size(); ++k)
+      modes_.push_back({0.5 * body.modes[k].mass, body.modes[k].omega, body.load[k], start[k]});
   }
-}
+  /// Adds them to `kinetic` and `elastic`; returns the work.
+  double add(const double* u, const double* v, double& kinetic, double& elastic) const {
+    double of_motion = kinetic, of_springs = elastic, work = 0;
+    for (std::size_t k = 0; k < modes_.size(); ++k) {
+      const ModeAtWork& mode = modes_[k];
+      const double stretch = mode.omega * u[k];
+      of_motion += mode.half_mass * v[k] * v[k];
+      of_springs += mode.half_mass * stretch * stretch;
+      work += mode.load * (u[k] - mode.start);
+    }
+    kinetic = of_motion, elastic = of_springs;
+    return work;
+  }
 
-double load_work(const Body& body, const double* u, const std::vector<double>& start) {
-  double work = 0;
-  for (std::size_t k = 0; k < body.modes.size(); ++k) work += body.load[k] * (u[k] - start[k]);
-  return work;
-}
+ private:
+  struct ModeAtWork {
+    double half_mass, omega, load, start;
+  };
+  std::vector<ModeAtWork> modes_;
+};
 
 /// Room for `samples` more, so that nothing moves while they are added.
 void make_room(SampleBlock& block, const Model& model, std::size_t samples) {
@@ -62,11 +74,16 @@ class Probes {
         shapes_.push_back(y ? shape_at(mode, x, *y) : shape_at(mode, x));
   }
   /// Appends the sums over the modes, a probe each.
-  void read(const double* amplitudes, std::vector<double>& out) const {
+  void read(const double* u, const double* v, std::vector<double>& displacement,
+            std::vector<double>& velocity) const {
     for (std::size_t p = 0; p < count_; ++p) {
-      double sum = 0;
-      for (std::size_t k = 0; k < modes_; ++k) sum += amplitudes[k] * shapes_[p * modes_ + k];
-      out.push_back(sum);
+      double sum_u = 0, sum_v = 0;
+      for (std::size_t k = 0; k < modes_; ++k) {
+        sum_u += u[k] * shapes_[p * modes_ + k];
+        sum_v += v[k] * shapes_[p * modes_ + k];
+      }
+      displacement.push_back(sum_u);
+      velocity.push_back(sum_v);
     }
   }
 
@@ -106,6 +123,8 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
   const std::size_t lanes = drained.lanes, row_size = 2 * lanes + sample::columns;
   const Probes probes(model.resonator, model.scene.output.probes);
   const Probes slider_probes(model.slider, model.scene.output.slider_probes);
+  const Energies resonator(model.resonator, start.resonator_u),
+      slider(model.slider, start.slider_u);
   SampleBlock block;
   make_room(block, model, static_cast<std::size_t>(drained.samples));
   for (int i = 0; i < drained.samples; ++i) {
@@ -120,21 +139,18 @@ SampleBlock make_samples(const Model& model, const ModalStart& start, const Drai
     block.slider_velocity.insert(block.slider_velocity.end(), v + modes2, v + modes2 + modes1);
     block.force.push_back(columns[sample::force]);
     block.nodes.push_back(std::round(columns[sample::nodes]));
-    probes.read(u, block.probe_displacement);
-    probes.read(v, block.probe_velocity);
-    slider_probes.read(u + modes2, block.slider_probe_displacement);
-    slider_probes.read(v + modes2, block.slider_probe_velocity);
+    probes.read(u, v, block.probe_displacement, block.probe_velocity);
+    slider_probes.read(u + modes2, v + modes2, block.slider_probe_displacement,
+                       block.slider_probe_velocity);
     double kinetic = 0, elastic = 0;
-    add_energy(model.resonator, u, v, kinetic, elastic);
-    add_energy(model.slider, u + modes2, v + modes2, kinetic, elastic);
+    const double work2 = resonator.add(u, v, kinetic, elastic),
+                 work1 = slider.add(u + modes2, v + modes2, kinetic, elastic);
     block.kinetic.push_back(kinetic);
     block.elastic.push_back(elastic);
     block.contact.push_back(columns[sample::contact_energy]);
     block.damping_loss.push_back(columns[sample::damping_loss]);
     block.sliding_work.push_back(columns[sample::sliding_work]);
-    block.load_work.push_back(columns[sample::force_work] +
-                              load_work(model.resonator, u, start.resonator_u) +
-                              load_work(model.slider, u + modes2, start.slider_u));
+    block.load_work.push_back(columns[sample::force_work] + work2 + work1);
   }
   return block;
 }
