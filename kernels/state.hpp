@@ -71,6 +71,8 @@ struct ShockRow {
 namespace sample {
 enum Column : int { force, nodes, contact_energy, damping_loss, sliding_work, force_work, columns };
 constexpr int row(int lanes) { return 2 * lanes + columns; }
+/// From one to the next in their buffer: each begins on a line of 128 bytes.
+constexpr int pitch(int lanes) { return (row(lanes) + 15) / 16 * 16; }
 }  // namespace sample
 
 // ---- carried
@@ -377,7 +379,7 @@ struct WorkSpace {
 // ---- out
 
 struct SampleBuffer {
-  double* rows = nullptr;  // see sample::row
+  double* rows = nullptr;  // see sample::pitch
   int capacity = 0, count = 0;
 };
 
@@ -585,7 +587,8 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
 
 template <class Visit>
 void visit_arrays(RecordBuffers& s, const Extents& n, Visit&& visit) {
-  visit("sample_rows", s.samples.rows, static_cast<std::size_t>(n.samples) * sample::row(n.lanes));
+  visit("sample_rows", s.samples.rows,
+        static_cast<std::size_t>(n.samples) * sample::pitch(n.lanes));
   visit("shock_rows", s.ended_shocks.rows, static_cast<std::size_t>(n.shocks));
   const auto lanes = static_cast<std::size_t>(n.lanes);
   visit("now_u", s.now.u, lanes);

@@ -372,9 +372,12 @@ Drained Batch::drain(int slot) {
   Drained out;
   out.lanes = scene.extents.lanes;
   out.samples = s.out.samples.count;
-  const std::size_t values =
-      static_cast<std::size_t>(s.out.samples.count) * sample::row(scene.extents.lanes);
-  out.sample_rows.assign(s.out.samples.rows, s.out.samples.rows + values);
+  const std::size_t row = sample::row(out.lanes), pitch = sample::pitch(out.lanes);
+  out.sample_rows.reserve(out.samples * row);
+  for (int i = 0; i < out.samples; ++i) {
+    const double* const from = s.out.samples.rows + i * pitch;
+    out.sample_rows.insert(out.sample_rows.end(), from, from + row);
+  }
   out.shocks.assign(s.out.ended_shocks.rows, s.out.ended_shocks.rows + s.out.ended_shocks.count);
   s.out.samples.count = s.out.ended_shocks.count = 0;
   return out;

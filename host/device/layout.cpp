@@ -142,7 +142,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
   }
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   const auto most_samples = static_cast<std::int64_t>(
-      std::max<std::size_t>(1, capacity.sample_bytes / (sizeof(double) * sample::row(lanes))));
+      std::max<std::size_t>(1, capacity.sample_bytes / (sizeof(double) * sample::pitch(lanes))));
   n.samples =
       static_cast<int>(std::min({std::int64_t{capacity.samples}, most_samples, model.samples}));
   n.shocks = capacity.shocks + n.runs();

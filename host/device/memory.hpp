@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -12,6 +13,9 @@
 
 /// Memory of the scenes of a batch.
 namespace ra2d {
+
+/// Bytes of what a processor, or a GPU, fetches at once. Blocks begin on such a line.
+inline constexpr std::size_t host_line = 64, device_line = 128;
 
 class MemorySource;
 
@@ -55,31 +59,42 @@ class HostMemory : public MemorySource {
 };
 
 /// Blocks of a device that are used again: to get and to give back memory takes the driver as long
-/// as a launch, and stops all others meanwhile. What is in them is what the last user left.
+/// as a launch, and stops all others meanwhile. So it is asked for many blocks of a size at once, a
+/// slab: for as many as there are already, up to 32 MB. What is in them is what the last user left.
 class DevicePool : public MemorySource {
  public:
   enum class Kind { on_device, on_host };
   /// `most`: bytes that it holds at the most where it can, what is free among them; 0: no limit.
   DevicePool(Device& device, Kind kind, std::size_t most)
       : device_{device}, kind_{kind}, most_{most} {}
-  ~DevicePool() override { give_back(); }
+  ~DevicePool() override { give_back_unused(); }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
   /// A free block that is at most a tenth too large (as much as backend_memory leaves), else a new
-  /// one. Frees all unused blocks first where the limit, or the memory, is reached.
+  /// one. Gives back all unused slabs first where the limit, or the memory, is reached.
   Block lend(std::size_t bytes) override;
   void take_back(char* data, std::size_t bytes) noexcept override;
 
  private:
+  struct Slab {
+    std::size_t block = 0, blocks = 0;  // bytes of each, and how many there are
+    std::size_t lent = 0;               // of these
+    std::size_t bytes() const { return block * blocks; }
+  };
+  using Slabs = std::map<char*, Slab>;  // by where they begin
+
+  void add_slab(std::size_t block);
+  std::size_t blocks_of_next(std::size_t block) const;
   char* allocate(std::size_t bytes);
-  void release(char* data, std::size_t bytes) noexcept;
-  void give_back() noexcept;
+  void give_back_unused() noexcept;
+  Slabs::iterator slab_of(char* data) { return std::prev(slabs_.upper_bound(data)); }
 
   Device& device_;
   Kind kind_;
   std::size_t most_;
-  std::atomic<std::size_t> held_ = 0;
   std::mutex mutex_;
+  Slabs slabs_;
+  std::size_t held_ = 0;                    // bytes of all slabs
   std::multimap<std::size_t, char*> free_;  // by size
 };
 

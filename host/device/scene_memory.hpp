@@ -81,8 +81,8 @@ struct BatchMemory {
   SharedTables shared;
 };
 
-/// The memory of one scene. Each array begins on a cache line, behind a gap that nothing may touch:
-/// on the host the address sanitizer watches it.
+/// The memory of one scene. Each array begins on a line of the cache, behind a gap that nothing may
+/// touch: on the host the address sanitizer watches it.
 class SceneMemory {
  public:
   explicit SceneMemory(BatchMemory& batch) : batch_{&batch} {}
@@ -161,12 +161,11 @@ class SceneMemory {
   std::size_t bytes() const { return own_.bytes() + (on_host() ? handed_.bytes() : 0); }
 
  private:
-  static constexpr std::size_t line = 64;
-
   /// Sets the addresses of arrays that stand one after the other from `base`, unless that is none;
   /// returns how much they take.
   template <class Arrays>
   std::size_t lay_out(char* base, const Arrays& arrays) const {
+    const std::size_t line = on_host() ? host_line : device_line;
     std::size_t at = line;
     poison(base, 0, line);
     arrays([&](const char*, auto*& address, std::size_t count) {

@@ -256,8 +256,8 @@ class AdaptiveRecorder {
   }
 
   RA2D_FUNCTION void write_sample(const Modes& at, const Contact& contact) const {
-    double* row = samples_.rows +
-                  static_cast<std::int64_t>(samples_.count) * (2 * packs * width + sample::columns);
+    constexpr int pitch = sample::pitch(packs * width);
+    double* const row = samples_.rows + static_cast<std::int64_t>(samples_.count) * pitch;
     Real loss(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       lanes_.store(row + p * width, at.u[p]);

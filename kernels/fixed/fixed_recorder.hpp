@@ -299,11 +299,11 @@ class FixedRecorder {
       lanes_.sync();
       return false;
     }
-    constexpr int size = 2 * packs * width + sample::columns;
+    constexpr int pitch = sample::pitch(packs * width);
     RA2D_CHECK(samples_.count < samples_.capacity);
     double* const row = part == Part::first
                             ? sampling_.pending_row
-                            : samples_.rows + static_cast<std::int64_t>(samples_.count) * size;
+                            : samples_.rows + static_cast<std::int64_t>(samples_.count) * pitch;
     const auto put = [&](int at, const Real& x) {
       lanes_.store(row + at, add ? multiply_add(weight, x, lanes_.load(sampling_.pending_row + at))
                                  : Real(weight) * x);

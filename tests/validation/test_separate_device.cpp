@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <new>
+#include <set>
 #include <vector>
 
 #include "host/device/batch.hpp"
 #include "host/device/device.hpp"
+#include "host/device/memory.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/separate_device.hpp"
@@ -211,6 +217,66 @@ TEST_F(SeparateDeviceDeathTest, WhoTouchesItsMemoryFromOutsideIsCaught) {
   EXPECT_DEATH(block[0] = 1, "");
   const SeparateDevice::Opened opened(device);
   block[0] = 1;
+}
+
+/// The driver is asked for one block, then for as many as there are.
+TEST(DevicePool, AsksForMoreBlocksAtATime) {
+  constexpr int count = 1000;
+  constexpr std::size_t bytes = 4096;
+  SeparateDevice device;
+  DevicePool pool(device, DevicePool::Kind::on_device, 0);
+  std::vector<Block> lent;
+  std::set<char*> places;
+  for (int i = 1; i <= count; ++i) {
+    lent.push_back(pool.lend(bytes));
+    EXPECT_EQ(device.blocks(), std::bit_width(i - 1u) + 1u) << i;
+    places.insert(lent.back().data());
+    EXPECT_EQ(reinterpret_cast<std::uintptr_t>(lent.back().data()) % device_line, 0u);
+  }
+  ASSERT_EQ(places.size(), std::size_t{count});
+  for (auto one = places.begin(), next = std::next(one); next != places.end(); ++one, ++next)
+    EXPECT_GE(*next - *one, std::ptrdiff_t{bytes});
+  // they are used again
+  const std::size_t left = device.free_memory();
+  lent.clear();
+  for (int i = 0; i < count; ++i) lent.push_back(pool.lend(bytes - 100));
+  EXPECT_EQ(device.free_memory(), left);
+  // 32 MB at a time at the most
+  for (int i = 0; i < 9; ++i) {
+    const std::size_t before = device.free_memory();
+    lent.push_back(pool.lend(8 << 20));
+    EXPECT_LE(before - device.free_memory(), std::size_t{32 << 20});
+  }
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t before = device.free_memory();
+    lent.push_back(pool.lend(20 << 20));
+    EXPECT_EQ(before - device.free_memory(), std::size_t{20 << 20});
+  }
+}
+
+TEST(DevicePool, KeepsWithinItsLimitAndTheMemory) {
+  constexpr std::size_t bytes = 4096, most = 10 * bytes;
+  for (const bool by_limit : {true, false}) {
+    SeparateDevice device(by_limit ? 100 * bytes : most);
+    const std::size_t all = device.free_memory();
+    DevicePool pool(device, DevicePool::Kind::on_device, by_limit ? most : 0);
+    std::vector<Block> lent;
+    for (int i = 0; i < 10; ++i) {
+      lent.push_back(pool.lend(bytes));
+      EXPECT_LE(all - device.free_memory(), most) << i;
+    }
+    if (!by_limit) {
+      EXPECT_THROW(pool.lend(bytes), std::bad_alloc);
+    }
+    // slabs without a lent block go back where a larger one needs their place
+    lent.resize(2);
+    lent.push_back(pool.lend(3 * bytes));
+    EXPECT_LE(all - device.free_memory(), most);
+    lent.clear();
+    lent.push_back(pool.lend(10 * bytes));
+    EXPECT_EQ(all - device.free_memory(), most);
+    EXPECT_EQ(device.blocks(), 1u);
+  }
 }
 
 TEST(SharedTables, ScenesWithEqualBodiesHaveThemOnce) {
