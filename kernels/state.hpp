@@ -71,8 +71,9 @@ struct ShockRow {
 namespace sample {
 enum Column : int { force, nodes, contact_energy, damping_loss, sliding_work, force_work, columns };
 constexpr int row(int lanes) { return 2 * lanes + columns; }
-/// From one to the next in their buffer: each begins on a line of 128 bytes.
-constexpr int pitch(int lanes) { return (row(lanes) + 15) / 16 * 16; }
+/// In their buffer each begins on a line of 128 bytes.
+inline constexpr int padded_columns = 16;
+constexpr int pitch(int lanes) { return 2 * lanes + padded_columns; }
 }  // namespace sample
 
 // ---- carried

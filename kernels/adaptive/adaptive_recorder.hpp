@@ -256,7 +256,7 @@ class AdaptiveRecorder {
   }
 
   RA2D_FUNCTION void write_sample(const Modes& at, const Contact& contact) const {
-    constexpr int pitch = sample::pitch(packs * width);
+    constexpr int pitch = 2 * packs * width + sample::padded_columns;
     double* const row = samples_.rows + static_cast<std::int64_t>(samples_.count) * pitch;
     Real loss(0.0);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {

@@ -299,7 +299,7 @@ class FixedRecorder {
       lanes_.sync();
       return false;
     }
-    constexpr int pitch = sample::pitch(packs * width);
+    constexpr int pitch = 2 * packs * width + sample::padded_columns;
     RA2D_CHECK(samples_.count < samples_.capacity);
     double* const row = part == Part::first
                             ? sampling_.pending_row
