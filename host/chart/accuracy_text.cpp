@@ -102,9 +102,20 @@ const Measured* cheapest(const AccuracyChart& chart, std::size_t measure, double
   return best;
 }
 
-/// Three digits, all before the point where there are more: short enough for its column.
+/// In six characters: three digits, all before the point where there are more, fewer behind zeros.
 std::string time_cell(double seconds) {
-  return seconds < 999.5 ? fmt::format("{:.3g}", seconds) : fmt::format("{:.0f}", seconds);
+  if (seconds >= 999.5) return fmt::format("{:.0f}", seconds);
+  std::string text = fmt::format("{:.3g}", seconds);
+  for (int digits = 2; digits > 0 && text.size() > 6; --digits)
+    text = fmt::format("{:.{}g}", seconds, digits);
+  return text;
+}
+/// Step or tolerance in as few characters as its value allows.
+std::string size_cell(const Method& setting) {
+  const std::string text = short_size(setting);
+  if (!setting.time.tolerance) return text;
+  const std::string power = fmt::format("{:.0e}", *setting.time.tolerance);
+  return std::stod(power) == *setting.time.tolerance ? "tol " + power : text;
 }
 
 /// Rows of one measure: a line a method.
@@ -125,7 +136,7 @@ std::string measure_table(const AccuracyChart& chart, std::size_t measure) {
       lines += fmt::format("{:<20}", point == nullptr
                                          ? std::string("-")
                                          : fmt::format("{} at {} ", time_cell(point->wall_median()),
-                                                       short_size(point->setting)));
+                                                       size_cell(point->setting)));
     }
     lines += fmt::format("{:.1e}\n", least);
   }

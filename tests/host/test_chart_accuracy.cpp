@@ -102,6 +102,14 @@ TEST(AccuracyChart, OneNoisyTimingChoosesNoTightTolerance) {
               HasSubstr("to 0.001 adaptive at tol 1e-10"));
 }
 
+TEST(AccuracyChart, ATableIsNoWiderThanAScreen) {
+  for (const double seconds : {2.345e-5, 5.37e-4, 0.005370, 0.0537, 0.999, 99.96, 999.4, 54321.0}) {
+    std::istringstream lines(describe(timed_chart({{1e-4, {seconds}}, {1e-7, {seconds}}})));
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 120u) << seconds << '\n' << line;
+  }
+}
+
 /// A load crosses a damped plate; nothing touches.
 Scene crossed_plate() {
   Scene s = lone_beam(4, 0.02);
