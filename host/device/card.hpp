@@ -26,6 +26,9 @@ int scenes_at_once();
 /// Returns when all work of an instance is done, without a core of the host in the meantime if it
 /// can. Throws std::runtime_error with what the driver says.
 void wait(const Space& instance);
+/// Returns when an instance does nothing any more, whatever has failed: memory of the host that its
+/// work reads or writes is not to be given back before.
+void settle(const Space& instance) noexcept;
 /// The driver's words on work that has failed; empty where none has. After a fault Kokkos would
 /// end the program: it is not to be called any more.
 std::string fault(const Space& instance = Space());

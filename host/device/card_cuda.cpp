@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Kokkos_Core.hpp>
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "host/base/errors.hpp"
 #include "host/device/card.hpp"
@@ -76,8 +78,16 @@ int scenes_at_once() {
 }
 
 void wait(const Space& instance) {
-  use();
-  check(cudaStreamSynchronize(instance.cuda_stream()), "finish its work");
+  const cudaError_t card = cudaSetDevice(Kokkos::device_id()),
+                    work = cudaStreamSynchronize(instance.cuda_stream());
+  if (work != cudaSuccess) settle(instance);
+  check(card, "take the GPU");
+  check(work, "finish its work");
+}
+
+void settle(const Space& instance) noexcept {
+  while (cudaStreamQuery(instance.cuda_stream()) == cudaErrorNotReady)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 std::string fault(const Space& instance) {

@@ -31,6 +31,7 @@ int multiprocessors() { return 1; }
 int scenes_at_once() { return std::max(1, Space().concurrency() / LanesOf<Space>::vector_length); }
 
 void wait(const Space& instance) { instance.fence("ra2d: wait"); }
+void settle(const Space& instance) noexcept { instance.fence("ra2d: settle"); }
 
 std::string fault(const Space&) { return {}; }
 

@@ -28,7 +28,8 @@ HOST = ["base", "system", "ranks", "scene", "surface", "body", "radiation", "sce
 # but for what a scene names of the kernels.
 IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
-KNOW_KOKKOS = ("bench/chain.cpp", "tests/install/", "tests/kernels/", "tests/ptx/", "tests/warp/")
+KNOW_KOKKOS = ("bench/chain.cpp", "tests/cuda/", "tests/install/", "tests/kernels/", "tests/ptx/",
+               "tests/warp/")
 KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes",
            "displacement", "gap", "place", "footprint",
            "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed",
