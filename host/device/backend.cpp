@@ -59,7 +59,7 @@ Backend::~Backend() {
   try {
     if (!card::fault().empty()) return;  // Kokkos would end the program, before its fault was told
     Kokkos::finalize();
-  } catch (const std::exception&) {  // of a card that all work is done with
+  } catch (const std::exception&) {  // all work is done
   }
 }
 

@@ -112,7 +112,7 @@ class KokkosQueue : public DeviceQueue {
   void wait() override { card::wait(*instance_); }
 
  private:
-  /// Where it fails, who gave the work may give back its memory.
+  /// Where it fails, nothing is being done any more: who gave the work may give back its memory.
   template <class Work>
   void give(const Work& work) try {
     require_no_fault(*instance_);
@@ -136,7 +136,7 @@ char* allocate_in(std::size_t bytes) {
     throw std::bad_alloc();
   }
 }
-/// After a fault the driver takes nothing back. A failure is told to who waits for work.
+/// After a fault the driver takes nothing back. Who waits for work hears of a failure.
 template <class Memory>
 void release_in(char* block, std::size_t bytes) noexcept try {
   if (card::fault().empty()) Memory().deallocate("ra2d", block, bytes);

@@ -76,10 +76,12 @@ void DevicePool::add_slab(std::size_t block) {
   for (std::size_t i = 0; i < slab.blocks; ++i) free_.emplace(block, begin + i * block);
 }
 
-/// As many as there are of this size, within the limits.
+/// As many as there are of this size. Where memory may get short each has a slab of its own, which
+/// goes back without others: scenes that grow have other blocks then.
 std::size_t DevicePool::blocks_of_next(std::size_t block) const {
+  const std::size_t plenty = most_ / 2;
   std::size_t most = most_of_slab / block, there = 0;
-  if (most_ > 0) most = std::min(most, (most_ - std::min(most_, held_)) / block);
+  if (most_ > 0) most = std::min(most, (plenty - std::min(plenty, held_)) / block);
   for (const auto& [begin, slab] : slabs_)
     if (slab.block == block) there += slab.blocks;
   return std::max<std::size_t>(std::min(there, most), 1);

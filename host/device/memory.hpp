@@ -60,7 +60,8 @@ class HostMemory : public MemorySource {
 
 /// Blocks of a device that are used again: to get and to give back memory takes the driver as long
 /// as a launch, and stops all others meanwhile. So it is asked for many blocks of a size at once, a
-/// slab: for as many as there are already, up to 32 MB. What is in them is what the last user left.
+/// slab: for as many as there are already, up to 32 MB, and to half of the limit. What is in them
+/// is what the last user left.
 class DevicePool : public MemorySource {
  public:
   enum class Kind { on_device, on_host };

@@ -262,8 +262,12 @@ TEST(DevicePool, KeepsWithinItsLimitAndTheMemory) {
     DevicePool pool(device, DevicePool::Kind::on_device, by_limit ? most : 0);
     std::vector<Block> lent;
     for (int i = 0; i < 10; ++i) {
+      const std::size_t before = device.free_memory();
       lent.push_back(pool.lend(bytes));
       EXPECT_LE(all - device.free_memory(), most) << i;
+      if (by_limit && all - before > most / 2) {
+        EXPECT_EQ(before - device.free_memory(), bytes) << "beyond half of the limit, " << i;
+      }
     }
     if (!by_limit) {
       EXPECT_THROW(pool.lend(bytes), std::bad_alloc);
