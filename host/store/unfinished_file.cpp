@@ -149,6 +149,7 @@ void UnfinishedFile::write_samples(WriteBuffer& buffer) {
   sample_rows_ += buffer.rows;
   buffer.rows = 0;
   flush();
+  partial_->begin_sync();
 }
 
 void UnfinishedFile::write_shocks(std::vector<Shock>& shocks) {

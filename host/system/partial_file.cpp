@@ -246,6 +246,10 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   }
 }
 
+void PartialFile::begin_sync() const noexcept {
+  sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
+}
+
 void PartialFile::sync() {
   struct stat status;
   // The same size again gives back what was set aside beyond it.
