@@ -51,9 +51,12 @@ def same(a, b):
     return a.keys() == b.keys() and all(a[k].tobytes() == b[k].tobytes() for k in a)
 
 
-def scene(duration, scheme="adaptive"):
-    return [scenes / "dang2012.toml", "--quiet", "--set", f"time.scheme={scheme}",
-            "--set", f"scene.duration={duration}"]
+def scene(duration, scheme="adaptive", name="dang2012.toml", more=()):
+    values = [f"time.scheme={scheme}", f"scene.duration={duration}", *more]
+    return [scenes / name, "--quiet", *(word for value in values for word in ("--set", value))]
+
+
+small_block = ("slider.length=4e-3", "slider.width=4e-3", "scene.spacing=1e-4")
 
 
 def instances(calls):
@@ -74,8 +77,11 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
 
     # ---- bits
-    for scheme, close in (("adaptive", 1e-6), ("backward-euler", 1e-9)):
-        words = ["run", *scene(1e-3, scheme), "--fresh", "--force", "-o"]
+    for scheme, close, of_scene in (
+            ("adaptive", 1e-6, ()), ("backward-euler", 1e-9, ()),
+            ("adaptive", 1e-6, ("areal.toml", small_block)),
+            ("midpoint", 1e-6, ("areal.toml", (*small_block, "time.step=5e-7")))):
+        words = ["run", *scene(1e-3, scheme, *of_scene), "--fresh", "--force", "-o"]
         results = []
         for seed in range(4):
             ended = run([*words, "card.h5"], f"seed={seed}")
@@ -84,6 +90,7 @@ with tempfile.TemporaryDirectory() as folder:
         expect(all(same(results[0], one) for one in results), scheme, "depends on the order")
         run([*words, "cpu.h5"], binary=cpu_program)
         cpu = numbers("cpu.h5")
+        expect(cpu["shocks/start"].size > 0, scheme, of_scene, "has no shock")
         for path in ("resonator/velocity", "slider/displacement", "contact/force"):
             off = abs(results[0][path] - cpu[path]).max() / abs(cpu[path]).max()
             expect(off < close, scheme, path, "is off by", off)
