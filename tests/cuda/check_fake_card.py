@@ -116,7 +116,7 @@ with tempfile.TemporaryDirectory() as folder:
     run([*words, "in-one.h5"])
     statuses = []
     while not statuses or (statuses[-1] == 5 and len(statuses) < 100):
-        statuses.append(run([*words, "in-parts.h5", "--max-wall", "0.1"], "seed=9").returncode)
+        statuses.append(run([*words, "in-parts.h5", "--max-wall", "0.001"], "seed=9").returncode)
     expect(len(statuses) > 1 and statuses[-1] == 0, "cut short:", statuses)
     if statuses[-1] == 0:
         expect(same(numbers("in-one.h5"), numbers("in-parts.h5")), "parts are another result")
