@@ -112,8 +112,9 @@ inline constexpr int gauss_row = 32;
 /// points, the ends among them. Rules of n points leave out of the square of a motion that turns by
 /// theta at the most
 ///   n (n - 1)^3 (n - 2)!^4/((2 n - 1) (2 n - 2)!^3) (2 theta)^(2 n - 2).
-/// It turns by up to 4.3 over the usable length of a series. So for pieces of up to `most_by_five`
-/// of that, five points leave out 1e-9, seven do so of up to `most_by_seven`, and nine 2e-8 of all.
+/// It turns by up to 4.3 over the usable length of a series. So five points leave out 1e-9 of
+/// pieces of up to `most_by_five` of that length, seven the same of up to `most_by_seven`, and nine
+/// 2e-8 of all of it.
 inline constexpr int lobatto_inner[] = {3, 5, 7};  // points between the ends
 inline constexpr double most_by_five = 0.12, most_by_seven = 0.42;
 inline constexpr int lobatto_rules = 3;
