@@ -55,6 +55,27 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real most_in_cells(const Lanes& lane
   return Kokkos::max(ends, other) + hidden * hidden / multiply_add(16.0, least, Real(1e-300));
 }
 
+/// Smooth faces: the cells beside the nodes of a group whose overlap may come to `level`, in
+/// ascending order, to list(cell); it is called with some that do not exist (is_cell), and with one
+/// at the border of two groups perhaps twice. `ends`, `sag` as above; `high`: nodes, one of which a
+/// cell must end at.
+template <class Lanes, class List>
+KOKKOS_FORCEINLINE_FUNCTION void list_close_cells(const Lanes& lanes, const FaceTables& faces,
+                                                  int group, const typename Lanes::Real& ends,
+                                                  const typename Lanes::Real& sag, double level,
+                                                  std::uint32_t high, const List& list) {
+  constexpr std::uint32_t last = 1u << (Lanes::width - 1);
+  // both nodes of a cell stand in this group, but for the cells at its borders
+  const std::uint32_t inside =
+      lanes.at_least(most_in_cells(lanes, ends, sag), level) & (high | high >> 1);
+  const std::uint32_t at_either = lanes.at_least(ends + sag, level) & high;
+  const int first = group * Lanes::width, left = nodes_left(faces, group, Lanes::width) - 1;
+  if ((at_either & 1u) != 0) list(first - 1);
+  std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
+  if (left < Lanes::width) bits &= left > 0 ? (1u << left) - 1u : 0u;
+  for (; bits != 0; bits &= bits - 1) list(first + Kokkos::Experimental::countr_zero_builtin(bits));
+}
+
 /// The modes' part of cell_sag, at displacements that are at most `travel` [m] away from u.
 template <class Lanes, int packs>
 KOKKOS_FORCEINLINE_FUNCTION double modes_sag(const Lanes& lanes, const FaceTables& faces,
@@ -90,6 +111,48 @@ struct PiecePassed {
   }
 };
 
+/// Bounds on the overlaps at the nodes of a group and in the cells beside these, as the nodes go on
+/// over the faces up to the end of a spacing.
+template <class Lanes>
+class FacesCourse {
+  using Real = typename Lanes::Real;
+
+ public:
+  /// `overlap` at the nodes, `rise`: the slope of the resonator's face there (StaticOverlap).
+  KOKKOS_FORCEINLINE_FUNCTION FacesCourse(const Lanes& lanes, const FaceTables& faces,
+                                          const Place& place, int group, const Real& overlap,
+                                          const Real& rise)
+      : overlap_{overlap}, rise_{rise}, upward_{Real(0.0)} {
+    if (!faces.smooth) [[likely]]
+      return;
+    overlap_ = overlap_ + cell_sag(lanes, faces, place, group);
+    upward_ = PiecePassed<Lanes>(lanes, faces, place, group).upward();
+  }
+  /// The most that they are now.
+  KOKKOS_FORCEINLINE_FUNCTION double highest(const Lanes& lanes) const {
+    return lanes.max(overlap_);
+  }
+  /// The most that this rises by, per chi, on the next `distance` [chi]. Each node's course lies
+  /// below a straight line, or a parabola that is open upward. The largest of them is convex, so it
+  /// lies below its chord.
+  KOKKOS_FORCEINLINE_FUNCTION double slope(const Lanes& lanes, double distance) const {
+    const Real there = multiply_add(distance, risen(distance), overlap_);
+    return (lanes.max(there) - highest(lanes)) / distance;
+  }
+  /// The most that each rises by within the next `distance` [chi].
+  KOKKOS_FORCEINLINE_FUNCTION Real most_risen(double distance) const {
+    return Kokkos::max(Real(distance) * risen(distance), Real(0.0));
+  }
+
+ private:
+  Real overlap_, rise_, upward_;
+
+  /// Over a distance, per chi.
+  KOKKOS_FORCEINLINE_FUNCTION Real risen(double distance) const {
+    return multiply_add(0.5 * distance, upward_, rise_);
+  }
+};
+
 /// The groups of nodes that can come into contact while no node passes another and U - U^ref moves
 /// none by more than `range` (kernels/footprint.hpp): all that a search for contact has to
 /// evaluate. U^ref are the modal displacements at which the list was made.
@@ -103,9 +166,10 @@ struct PiecePassed {
 /// Areal scenes have millions of nodes, too many to look at one by one: there the coarse pass
 /// begins with tiles (TileTables). The highest points of both faces in a tile, and what the modes
 /// move its middle by and differ by across it, bound the overlaps of all its nodes. It takes long,
-/// so it is to hold for long. Of its groups those are left out before any sum over the modes that
-/// the faces as they stand, the tile's displacement when the list was made, and bounds on what has
-/// moved since keep from contact.
+/// so it is to hold for long. The fine pass needs no sums over the modes at each group: it takes
+/// the polynomials of the footprint (FootprintSweep). Without them it leaves out before those sums
+/// the groups that the faces as they stand, the tile's displacement when the list was made, and
+/// bounds on what has moved since keep from contact.
 template <class Lanes, int packs>
 class CandidateGroups {
   using Real = typename Lanes::Real;
@@ -165,11 +229,11 @@ class CandidateGroups {
       error += modes_sag<Lanes, packs>(lanes_, faces_, bounds_, u, range_) +
                0.5 * back * back * faces_.largest_face_curvature;
     const double below = range_ + error;
+    const bool by_footprint = footprint().exists();
+    if (by_footprint) footprint().expand(place, u, lists_.footprint);
     // the motion since then, raised by the roundings of both displacements
-    const auto below_since = [&](bool in_group) {
-      return (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place, in_group) + below + error;
-    };
-    double coarse_below = below_since(false);
+    double coarse_below =
+        (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place) + below + error;
     // On maps a list that still holds is made anew once going through it in vain has cost more than
     // making it.
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
@@ -186,12 +250,19 @@ class CandidateGroups {
         find_coarse_on_rows(u, place);
       coarse_below = below + error;
     }
-    double in_group_below = coarse_below;
-    if (footprint().exists()) in_group_below = below_since(true);
-    if (!faces_.smooth) [[likely]]
-      find_fine<false>(u, place, below, coarse_below, in_group_below, to_end, back);
+    const auto find_fine_by = [&](auto sweep, double left_out) {
+      if (!faces_.smooth) [[likely]]
+        find_fine<false>(sweep, place, below, coarse_below, to_end, back, left_out);
+      else
+        find_fine<true>(sweep, place, below, coarse_below, to_end, back, left_out);
+    };
+    if (by_footprint)
+      find_fine_by(FootprintSweep<Lanes, packs>(lanes_, faces_, slider_, bounds_, place,
+                                                lists_.footprint, lists_.reference_u),
+                   footprint().left_out(u, slider_.first_lane));
     else
-      find_fine<true>(u, place, below, coarse_below, in_group_below, to_end, back);
+      find_fine_by(
+          GroupSweep<Lanes, packs>(lanes_, faces_, slider_, patches_, place, amplitudes_, u), 0.0);
   }
 
  private:
@@ -212,45 +283,27 @@ class CandidateGroups {
   // areal scenes, as numbers of groups: what it took to make the list, and what it has since taken
   // to look at those of its groups that were left out
   std::int64_t coarse_work_ = 0, in_vain_ = 0;
-  /// A group whose overlaps are evaluated costs about as much as so many of which only the faces
-  /// are looked at.
-  static constexpr std::int64_t sums_cost = 4;
 
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
   }
   /// How far the modes have moved any node since a list was made at the displacements `from` [m].
-  /// `in_group`: see Footprint::most.
-  KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u, const Place& place,
-                                           bool in_group = false) const {
+  KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u,
+                                           const Place& place) const {
     Real away[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
-    return footprint().most(place, away, in_group);
+    return footprint().most(place, away);
   }
   KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
     return {lanes_, bounds_};
   }
-  /// Displacement of the middle of a group by the slider since the coarse list was made [m]; 0
-  /// without a footprint.
-  RA2D_FUNCTION double own_displacement(int group) const {
-    double moved = 0.0;
-    if (footprint().exists())
-      for (int k = 0; k < slider_.modes; ++k) {
-        const int lane = slider_.first_lane + k;
-        moved += shape_in_group<Lanes, packs>(faces_, slider_, group, k) *
-                 (lists_.reference_u[lane] - lists_.coarse_reference_u[lane]);
-      }
-    return moved;
-  }
-
   /// The groups of the coarse list that come within `below` of contact on the rest of this spacing.
   /// `coarse_below`: that, and all that the modes can have added since the coarse list was made;
-  /// `in_group_below`: the same without the slider's motion of a group's middle.
-  template <bool smooth>
-  KOKKOS_FORCEINLINE_FUNCTION void find_fine(const Real* u, const Place& place, double below,
-                                             double coarse_below, double in_group_below,
-                                             double to_end, double back) {
-    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u);
+  /// `left_out`: bound on what the overlaps of `sweep` are off by [m].
+  template <bool smooth, class Sweep>
+  KOKKOS_FORCEINLINE_FUNCTION void find_fine(Sweep& sweep, const Place& place, double below,
+                                             double coarse_below, double to_end, double back,
+                                             double left_out) {
     const double left_of_spacing = rest_of_spacing(place, motion_);
     int count = 0, evaluated = 0, looked_at = 0;
     for (int first = 0; first < coarse_count_; first += width) {
@@ -261,26 +314,26 @@ class CandidateGroups {
       for (; close != 0; close &= close - 1) {
         const int e = first + Kokkos::Experimental::countr_zero_builtin(close);
         const int group = lists_.coarse_groups[e];
-        if (lists_.coarse_displacement != nullptr) [[unlikely]] {
+        if (Sweep::sums_modes && lists_.coarse_displacement != nullptr) [[unlikely]] {
           ++looked_at;
           const StaticOverlap<Lanes> faces(lanes_, faces_, place, group,
                                            nodes_beyond(faces_, group));
           const Real most =
               most_on_way<smooth>(place, group, faces.height, faces.rise, to_end, back);
-          const double moved = lists_.coarse_displacement[e] + own_displacement(group);
-          if (lanes_.at_least(most, -in_group_below - moved) == 0) continue;
+          if (lanes_.at_least(most, -coarse_below - lists_.coarse_displacement[e]) == 0) continue;
         }
         ++evaluated;
         const auto now = sweep.overlap(group);
         const Real most = most_on_way<smooth>(place, group, now.overlap, now.rise, to_end, back);
-        if (lanes_.at_least(most, -below) == 0) continue;
+        if (lanes_.at_least(most, -below - left_out) == 0) continue;
         RA2D_CHECK(count < faces_.groups);
         if (lists_.highest != nullptr) [[unlikely]] {
-          const double highest = lanes_.max(now.overlap),
-                       there = lanes_.max(multiply_add(left_of_spacing, now.rise, now.overlap));
+          const FacesCourse<Lanes> course(lanes_, faces_, place, group, now.overlap, now.rise);
+          const double highest = course.highest(lanes_),
+                       slope = course.slope(lanes_, left_of_spacing);
           if (lanes_.leader()) {
-            lists_.highest[count] = highest;
-            lists_.slope[count] = (there - highest) / left_of_spacing;
+            lists_.highest[count] = highest + left_out;
+            lists_.slope[count] = slope;
           }
         }
         if (lanes_.leader()) lists_.groups[count] = group;
@@ -289,8 +342,10 @@ class CandidateGroups {
     }
     count_ = count;
     if (lists_.coarse_displacement != nullptr) [[unlikely]]
-      in_vain_ += looked_at + sums_cost * (evaluated - count);
-    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(evaluated) * width;
+      in_vain_ += looked_at + Sweep::cost * (evaluated - count);
+    // those by polynomials are bounds, as a tile's are
+    if (Sweep::sums_modes && lanes_.leader())
+      evaluated_ += static_cast<std::int64_t>(evaluated) * width;
     lanes_.sync();
   }
 
@@ -361,7 +416,6 @@ class CandidateGroups {
   RA2D_FUNCTION void find_coarse_on_rows(const Real* u, const Place& place) {
     const double variation = weighted_sum<Lanes, packs>(lanes_, bounds_.tile_variation, u);
     const bool by_footprint = footprint().exists();
-    if (by_footprint) footprint().expand(place, u, lists_.footprint);
     const int first = by_footprint ? slider_.first_lane / width : 0;  // pack whose modes are needed
     int count = 0;
     for (int band = 0; band < faces_.tiles.bands; ++band) {

@@ -289,23 +289,15 @@ class Candidates {
     for (; bits != 0; bits &= bits - 1)
       list(group * width + Kokkos::Experimental::countr_zero_builtin(bits), count);
   }
-  /// Smooth faces: lists the cells of a group, and the one before it, whose overlap may reach
-  /// `level`. `ends`: bounds on the overlaps at the nodes, `sag` as cell_sag.
+  /// Smooth faces: lists the cells beside the nodes of a group whose overlap may reach `level`.
+  /// `ends`: bounds on the overlaps at the nodes, `sag` as cell_sag.
   RA2D_FUNCTION void list_cells(int group, const Real& ends, const Real& sag, double level,
                                 int& count) {
-    constexpr std::uint32_t last = 1u << (width - 1);
-    // the nodes at both ends of a cell stand in this group, but for the cells at its borders
-    const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
-    const std::uint32_t at_either = lanes_.at_least(ends + sag, level);
-    const int first = group * width, left = nodes_left(faces_, group, width) - 1;
-    if ((at_either & 1u) != 0 && last_listed_ < first - 1 && is_cell(faces_, first - 1))
-      list(first - 1, count);
-    std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
-    if (left < width) bits &= left > 0 ? (1u << left) - 1u : 0u;
-    for (; bits != 0; bits &= bits - 1) {
-      last_listed_ = first + Kokkos::Experimental::countr_zero_builtin(bits);
-      list(last_listed_, count);
-    }
+    list_close_cells(lanes_, faces_, group, ends, sag, level, ~0u, [&](int cell) {
+      if (cell <= last_listed_ || !is_cell(faces_, cell)) return;
+      last_listed_ = cell;
+      list(cell, count);
+    });
   }
   KOKKOS_FORCEINLINE_FUNCTION void list(int node, int& count) {
     if (lanes_.leader() && count < most_listed_) listed_nodes_[count] = node;

@@ -67,24 +67,24 @@ class Footprint {
       return false;
   }
 
-  /// Bound on |sum_k psi_k x_k| at every node. `in_group`, where there is a footprint: of the
-  /// slider's modes only what they differ by from the middle of a group of nodes.
-  RA2D_FUNCTION double most(const Place& place, const Real* x, bool in_group = false) const {
+  /// Bound on |sum_k psi_k x_k| at every node.
+  RA2D_FUNCTION double most(const Place& place, const Real* x) const {
     if constexpr (can_exist)
       if (exists()) {
         const Real* const one[] = {x};
         double bound[1];
-        sum_terms<1>(place, remainders(in_group), one, bound);
+        sum_terms<1>(place, limits_.footprint.remainder, one, bound);
         return bound[0];
       }
     return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
   }
-  /// The largest of such bounds, in groups, on three displacements. There must be a footprint.
+  /// The largest of such bounds on three displacements, with of the slider's modes only what they
+  /// differ by from the middle of a group of nodes. There must be a footprint.
   RA2D_FUNCTION double most_in_group(const Place& place, const Real* x, const Real* y,
                                      const Real* z) const {
     const Real* const all[] = {x, y, z};
     double bound[3];
-    sum_terms<3>(place, remainders(true), all, bound);
+    sum_terms<3>(place, limits_.footprint.remainder_in_group, all, bound);
     return Kokkos::max(Kokkos::max(bound[0], bound[1]), bound[2]);
   }
 
@@ -117,7 +117,8 @@ class Footprint {
         c[a] += terms[(a + b) * (a + b + 1) / 2 + b] * across[b];
     }
   }
-  /// sum_a c_a T_a(xi) at the slider's nodes `node` of a row of `nodes`, by Clenshaw's algorithm.
+  /// sum_a c_a T_a(xi) at the slider's nodes `node` of a row of `nodes`, counted from where its
+  /// first stands at the place's `base`, by Clenshaw's algorithm.
   KOKKOS_FORCEINLINE_FUNCTION Real displacement(const Place& place,
                                                 const double (&c)[highest_footprint_degree + 1],
                                                 const Real& node, int nodes) const {
@@ -133,6 +134,16 @@ class Footprint {
     return multiply_add(xi, last, Real(c[0]) - next);
   }
 
+  /// Bound on what the polynomials leave out of sum_k psi_k x_k over the resonator's modes, which
+  /// are those before `first_of_slider`.
+  RA2D_FUNCTION double left_out(const Real* x, int first_of_slider) const {
+    Real part(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      const Real own = lanes_.index() + Real(p * width + 0.5 - first_of_slider);
+      part = multiply_add(remainder(p), if_positive(own, Real(0.0), Kokkos::abs(x[p])), part);
+    }
+    return lanes_.sum(part);
+  }
   /// Of pack p of the modes, what the polynomials leave out of each.
   KOKKOS_FORCEINLINE_FUNCTION Real remainder(int p) const {
     return load_pack(lanes_, limits_.footprint.remainder, p);
@@ -141,10 +152,6 @@ class Footprint {
  private:
   Lanes lanes_;
   const MotionLimits& limits_;
-
-  KOKKOS_FORCEINLINE_FUNCTION const double* remainders(bool in_group) const {
-    return in_group ? limits_.footprint.remainder_in_group : limits_.footprint.remainder;
-  }
 
   KOKKOS_FORCEINLINE_FUNCTION int place_of(const Place& place) const {
     const FootprintTables& tables = limits_.footprint;

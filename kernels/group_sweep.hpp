@@ -5,6 +5,7 @@
 
 #include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
+#include "kernels/footprint.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
@@ -25,6 +26,11 @@ class GroupSweep {
   static constexpr bool in_memory = width == 32;
 
  public:
+  /// Whether a group's overlaps take sums over the modes, and as many times what it takes to look
+  /// at its faces.
+  static constexpr bool sums_modes = true;
+  static constexpr std::int64_t cost = 4;
+
   /// At the displacements u and, for their rates, the velocities v. `amplitudes` (two
   /// rows of lanes) holds them one by one, for the slider's modes.
   KOKKOS_FORCEINLINE_FUNCTION GroupSweep(const Lanes& lanes, const FaceTables& faces,
@@ -161,6 +167,66 @@ class GroupSweep {
       if (v_ != nullptr) lanes_.store(amplitudes_ + (packs + p) * width, share * v_[p]);
     }
     lanes_.sync();
+  }
+};
+
+/// As GroupSweep::overlap, in areal scenes, by the polynomials of the footprint: off by no more
+/// than they leave out (Footprint::left_out), and without sums over the modes.
+template <class Lanes, int packs>
+class FootprintSweep {
+  using Real = typename Lanes::Real;
+  static constexpr int width = Lanes::width;
+
+ public:
+  static constexpr bool sums_modes = false;
+  static constexpr std::int64_t cost = 2;
+
+  /// At the displacements u, one by one, with the `terms` of Footprint::expand.
+  RA2D_FUNCTION FootprintSweep(const Lanes& lanes, const FaceTables& faces,
+                               const SliderShapes& slider, const MotionLimits& limits,
+                               const Place& place, const double* terms, const double* u)
+      : lanes_{lanes},
+        faces_{faces},
+        slider_{slider},
+        footprint_{lanes, limits},
+        place_{place},
+        terms_{terms},
+        own_{u + slider.first_lane} {
+    stand_on_row(0);
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION typename GroupSweep<Lanes, packs>::Overlap overlap(int group) {
+    if (static_cast<unsigned>(group - first_group_) >= static_cast<unsigned>(faces_.rows.groups))
+      stand_on_row(group / faces_.rows.groups);
+    const int first = (group - first_group_) * width;
+    const StaticOverlap<Lanes> faces(lanes_, faces_, place_, group, beyond_);
+    Real overlap = faces.height + footprint_.displacement(
+                                      place_, along_, Real(first + place_.theta) + lanes_.index(),
+                                      faces_.rows.nodes);
+    const std::int64_t row = slider_.row;
+    for (int k = 0; k < slider_.modes; ++k)
+      overlap =
+          multiply_add(across_[k] * own_[k], lanes_.load(slider_.shape + k * row + first), overlap);
+    return {overlap, faces.rise};
+  }
+
+ private:
+  Lanes lanes_;
+  const FaceTables& faces_;
+  const SliderShapes& slider_;
+  Footprint<Lanes, packs> footprint_;
+  const Place& place_;
+  const double *terms_, *own_;        // own_: displacements of the slider's modes
+  int first_group_ = 0, beyond_ = 0;  // of the row
+  const double* across_ = nullptr;    // shares of the slider's modes on the row
+  double along_[highest_footprint_degree + 1];
+
+  RA2D_FUNCTION void stand_on_row(int row) {
+    first_group_ = row * faces_.rows.groups;
+    beyond_ = nodes_beyond(faces_, first_group_);
+    across_ =
+        faces_.rows.across + static_cast<std::int64_t>(row) * packs * width + slider_.first_lane;
+    footprint_.take_row(terms_, row, faces_.groups / faces_.rows.groups, along_);
   }
 };
 

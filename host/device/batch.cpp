@@ -50,8 +50,7 @@ int packs_of(const Model& model, int least) {
                     modes, most_modes));
   // of many nodes the bounds of a footprint leave far fewer to be looked at, with few modes, too
   constexpr int many_nodes = 4096;
-  if (model.is_areal && !model.has_smooth_faces() && model.nodes() >= many_nodes)
-    least = std::max(least, least_footprint_packs);
+  if (model.is_areal && model.nodes() >= many_nodes) least = std::max(least, least_footprint_packs);
   return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
 }
 

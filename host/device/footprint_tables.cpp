@@ -127,7 +127,7 @@ int FootprintShape::terms() const {
 }
 
 FootprintShape choose_footprint(const Model& model) {
-  if (!model.is_areal || model.has_smooth_faces()) return {};
+  if (!model.is_areal) return {};
   FootprintShape shape = on_path(model);
   double all = 0;
   for (const BodyMode& mode : model.resonator.modes) all += mode.shape->size();

@@ -94,7 +94,8 @@ int nodes_with_shapes(const Model& model, int padded) {
 }  // namespace
 
 int higher_orders(const Scene& scene, const FootprintShape& footprint) {
-  if (!is_adaptive(scene) || !scene.resonator.moving_forces.empty()) return 0;
+  if (!is_adaptive(scene) || scene.faces == Faces::smooth || !scene.resonator.moving_forces.empty())
+    return 0;
   if (footprint.degree == 0 || footprint.degree > 6) return 0;
   const int order = series_order(scene.time.tolerance.value_or(usual_tolerance));
   return std::min(4, (most_order - order) / 2);

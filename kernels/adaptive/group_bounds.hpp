@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "kernels/adaptive/modal_state.hpp"
+#include "kernels/candidate_groups.hpp"
 #include "kernels/footprint.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
@@ -23,15 +24,15 @@ struct Rise {
 /// evaluation to the next, and the groups that have to be evaluated for a step.
 ///
 /// Where there is a footprint (kernels/footprint.hpp) most of what changes an overlap is followed
-/// for each group: its way over the faces, which are straight lines over a spacing, and the motion
-/// of the slider, which is stiff. What the resonator does is small, and one bound for all groups:
+/// for each group: its way over the faces, and the motion of the slider, which is stiff. What the
+/// resonator does is small, and one bound for all groups:
 ///
 ///   o <= highest + slope theta + sum_k own_shape_k U_k + risen.
 ///
-/// On a spacing the faces move each node along a straight line. The largest of a group's lines is
-/// convex, so it lies below its chord from where the group was evaluated to the end of the spacing:
-/// `slope` is that chord's. Without a footprint nothing is followed: slope and own_shape are 0, and
-/// a step's rise is all that there can be.
+/// `slope` holds from where the group was evaluated to the end of the spacing (FacesCourse).
+/// Without a footprint nothing is followed: slope and own_shape are 0, and a step's rise is all
+/// that there can be. Between smooth faces o is the overlap in the cells, but for the modes' part
+/// of it (modes_sag).
 template <class Lanes, int packs>
 class GroupBounds {
   using Real = typename Lanes::Real;
@@ -57,22 +58,22 @@ class GroupBounds {
   /// Whether the faces and the slider are followed.
   KOKKOS_FORCEINLINE_FUNCTION bool follows() const { return footprint_.exists(); }
 
-  /// Bounds on what the modes raise an overlap by within a step of `time` [s] between two states.
-  /// There must be a footprint.
+  /// Bounds on what the modes raise an overlap by within a step between two states. There must be a
+  /// footprint.
   ///
   /// At a place of the resonator the cubic through the displacement and its rate at both ends is
   /// off by `error` at the most, and lies between its Bernstein coefficients. Less that at the
-  /// beginning these are 0, h V_0/3, U_1 - U_0 - h V_1/3 and U_1 - U_0. `travel` is another bound,
-  /// on all that the modes do; less what the slider does in the middle of a group it is at most
-  /// twice that.
-  RA2D_FUNCTION Rise rise(const Place& place, const Modes& now, const Modes& end, double time,
-                          double error, double travel) {
-    const Real third(time / 3.0);
+  /// beginning these are 0, h V_0/3, U_1 - U_0 - h V_1/3 and U_1 - U_0. `before` and `after`: the
+  /// h of both ends [s], of an even pace the step's length. `travel` is another bound, on all that
+  /// the modes do; less what the slider does in the middle of a group it is at most twice that.
+  RA2D_FUNCTION Rise rise(const Place& place, const Modes& now, const Modes& end, double before,
+                          double after, double error, double travel) {
+    const Real of_now(before / 3.0), of_end(after / 3.0);
     Real first[packs], second[packs], last[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      first[p] = third * now.v[p];
+      first[p] = of_now * now.v[p];
       last[p] = end.u[p] - now.u[p];
-      second[p] = multiply_add(third, Real(-1.0) * end.v[p], last[p]);
+      second[p] = multiply_add(of_end, Real(-1.0) * end.v[p], last[p]);
     }
     const double rest =
         Kokkos::min(2.0 * travel, footprint_.most_in_group(place, first, second, last) + error);
@@ -107,7 +108,9 @@ class GroupBounds {
         moved += own_shape(group, k) * (own_motion(i, k) - own_motion(0, k));
       most = Kokkos::max(most, moved);
     }
-    return Kokkos::max(Real(distance) * faces.rise, Real(0.0)) + Real(most);
+    return FacesCourse<Lanes>(lanes_, faces_, place, group, faces.height, faces.rise)
+               .most_risen(distance) +
+           Real(most);
   }
 
   /// For new candidate groups, so many, with CandidateLists::highest and slope at the place and the
@@ -198,14 +201,16 @@ class GroupBounds {
     const double left = rest_of_spacing(end, motion_);
     for (int i = 0; i < selected_; ++i) {
       const int e = buffers_.selected[i];
-      const Real now = lanes_.load(overlaps + 2 * e * width);
-      const double highest = lanes_.max(now);
+      const int group = lists_.groups[e];
+      Real rise(0.0);
+      if (follows())
+        rise = StaticOverlap<Lanes>(lanes_, faces_, end, group, nodes_beyond(faces_, group)).rise;
+      const FacesCourse<Lanes> course(lanes_, faces_, end, group,
+                                      lanes_.load(overlaps + 2 * e * width), rise);
+      const double highest = course.highest(lanes_);
       double own = 0.0, slope = 0.0;
       if (follows()) {
-        const int group = lists_.groups[e];
-        const Real rise =
-            StaticOverlap<Lanes>(lanes_, faces_, end, group, nodes_beyond(faces_, group)).rise;
-        slope = (lanes_.max(multiply_add(left, rise, now)) - highest) / left;
+        slope = course.slope(lanes_, left);
         for (int k = 0; k < slider_.modes; ++k)
           own += buffers_.own_shape[k * stride() + e] * own_motion(3, k);
       }

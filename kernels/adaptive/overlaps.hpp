@@ -93,9 +93,18 @@ class Overlaps {
                                   const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
                                   std::int64_t ticks) {
     const double time = static_cast<double>(ticks) * motion_.time_step;
-    Rise rise = group_bounds_.rise(place, now, end, time, cubic_error(bounds, time), bounds.travel);
+    return longest_rise(place, now, end, bounds, ticks, time, time, cubic_error(bounds, time));
+  }
+  /// As above, of a step of any pace: `before`, `after` and `error` as GroupBounds::rise has them.
+  RA2D_FUNCTION Rise longest_rise(const Place& place, const ModalState<Lanes, packs>& now,
+                                  const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
+                                  std::int64_t ticks, double before, double after, double error) {
+    Rise rise = group_bounds_.rise(place, now, end, before, after, error, bounds.travel);
     // candidate groups hold to the end of a spacing, a step may end a little beyond
     rise.any += 2.0 * (position_rounding(place) + motion_.advance) * faces_.steepest_rise;
+    // and what is followed may be more than what a smooth face truly rises by
+    const double distance = static_cast<double>(ticks) * motion_.advance;
+    rise.any += distance * distance * faces_.largest_face_curvature;
     return with_path(now.u, bounds, ticks, rise);
   }
   KOKKOS_FORCEINLINE_FUNCTION bool knows_footprint() const {
@@ -126,7 +135,7 @@ class Overlaps {
     // the roundings of what is followed are far less than an overlap's error
     double least = highest_start(bounds, rise) - overlap_error(bounds);
     if (faces_.smooth) [[unlikely]]
-      least -= faces_.largest_cell_sag + modes_sag(u, bounds.travel);
+      least -= modes_sag(u, bounds.travel);
     group_bounds_.select(place, candidates_.count(), static_cast<double>(ticks) * motion_.advance,
                          rise.rest, least);
   }
@@ -202,30 +211,20 @@ class Overlaps {
       const double* first = start_ + 2 * e * width;
       const double* last = end_ + 2 * e * width;
       // the cubic lies between the smallest and the largest of its Bernstein coefficients
-      Real b0 = lanes_.load(first);
-      const Real b3 = lanes_.load(last);
+      const Real b0 = lanes_.load(first), b3 = lanes_.load(last);
       const Real b1 = multiply_add(third, lanes_.load(first + width), b0);
       const Real b2 = multiply_add(-third, lanes_.load(last + width), b3);
-      Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
+      const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3));
       if (faces_.smooth) [[unlikely]] {
-        const Real in_cell = cell_sag(lanes_, faces_, place, group(e));
-        most = most + in_cell;
-        b0 = b0 + in_cell;
+        flag_cells(place, group(e), b0, most, level, distance, start, count, at);
+        continue;
       }
       std::uint32_t bits = lanes_.at_least(most, level);
-      if (bits != 0) {
-        if (group_bounds_.follows())
-          b0 = b0 + group_bounds_.followed_rise(place, group(e), distance);
-        bits &= lanes_.at_least(b0, start);
-      }
+      if (bits != 0) bits &= starts_high(place, group(e), b0, distance, start);
       const int left = nodes_left(faces_, group(e), width);
       if (left < width) bits &= (1u << left) - 1u;
       for (; bits != 0; bits &= bits - 1) {
         const int node = group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits);
-        if (faces_.smooth) [[unlikely]] {
-          list_cells(node, listed_nodes_, most_listed_, count, at);
-          continue;
-        }
         while (at < contacts_.count && contacts_.nodes[at] < node) ++at;
         if (at < contacts_.count && contacts_.nodes[at] == node) continue;
         if (lanes_.leader() && count < most_listed_) listed_nodes_[count] = node;
@@ -298,16 +297,20 @@ class Overlaps {
 
   /// Lists the cells in which there could be contact within a step in which the modes follow
   /// `motion`, not counting runs of cells around those in contact. At both ends overlaps and rates
-  /// are known; between them there is a bound on what the cubic through these leaves out.
+  /// are known; between them there is a bound on what the cubic through these leaves out. As in
+  /// flag(), none that a list of candidate groups may leave out.
   RA2D_FUNCTION int flag_over(const Place& place, const Real* u,
                               const PolynomialMotion<Lanes, packs>& motion,
                               const typename PolynomialMotion<Lanes, packs>::Bounds& bounds,
-                              double ticks, const MotionBounds& motion_bounds) const {
+                              double ticks, const MotionBounds& motion_bounds,
+                              const Rise& rise) const {
     const double slide_rate = motion.most_slide_rate();
     const double of_face = slide_rate * slide_rate * faces_.largest_face_curvature +
                            motion.change_of_slide_rate() * faces_.steepest_rise;
-    const double level = -(bounds.remainder() + of_face / 3.0 + overlap_error(motion_bounds) +
-                           modes_sag(u, bounds.travel));
+    const double sag = modes_sag(u, bounds.travel);
+    const double level = -(bounds.remainder() + of_face / 3.0 + overlap_error(motion_bounds) + sag);
+    const double start = highest_start(motion_bounds, rise) - sag,
+                 distance = ticks * motion_.advance;
     const double third = ticks * motion_.time_step / 3.0;
     const double rate0 = third * pace_rate(motion.pace, 0.0),
                  rate1 = -third * pace_rate(motion.pace, 1.0);
@@ -321,14 +324,8 @@ class Overlaps {
       const Real b0 = lanes_.load(first), b3 = lanes_.load(end);
       const Real b1 = multiply_add(rate0, lanes_.load(first + width), b0);
       const Real b2 = multiply_add(rate1, lanes_.load(end + width), b3);
-      const Real most = Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)) +
-                        cell_sag(lanes_, faces_, place, group(e));
-      std::uint32_t bits = lanes_.at_least(most, level);
-      const int left = nodes_left(faces_, group(e), width);
-      if (left < width) bits &= (1u << left) - 1u;
-      for (; bits != 0; bits &= bits - 1)
-        list_cells(group(e) * width + Kokkos::Experimental::countr_zero_builtin(bits),
-                   listed_nodes_, most_listed_, count, last);
+      flag_cells(place, group(e), b0, Kokkos::max(Kokkos::max(b0, b1), Kokkos::max(b2, b3)), level,
+                 distance, start, count, last);
     }
     lanes_.sync();
     return count;
@@ -446,13 +443,18 @@ class Overlaps {
   bool start_is_valid_ = false;  // `start_` is of the present state and candidate groups
   bool is_selective_;            // areal scenes: evaluates selected groups
 
-  /// Lists the cells beside a node; the nodes come in ascending order. `last`: one beyond the
-  /// latest cell that is listed.
-  KOKKOS_FORCEINLINE_FUNCTION void list_cells(int node, int* cells, int capacity, int& count,
-                                              int& last) const {
-    list_cell(node - 1, cells, capacity, count, last);
-    list_cell(node, cells, capacity, count, last);
+  /// Lists the cells of a group that may come to `level`, but for those that the node's overlaps at
+  /// the beginning, `overlap`, rule out (starts_high). `most`: what these become at the most.
+  KOKKOS_FORCEINLINE_FUNCTION void flag_cells(const Place& place, int group, const Real& overlap,
+                                              const Real& most, double level, double distance,
+                                              double start, int& count, int& last) const {
+    const Real sag = cell_sag(lanes_, faces_, place, group);
+    if (lanes_.at_least(most + sag, level) == 0) return;
+    const std::uint32_t high = starts_high(place, group, overlap + sag, distance, start);
+    list_close_cells(lanes_, faces_, group, most, sag, level, high,
+                     [&](int cell) { list_cell(cell, listed_nodes_, most_listed_, count, last); });
   }
+  /// Lists a cell that exists; they come in ascending order. `last`: one beyond the latest.
   KOKKOS_FORCEINLINE_FUNCTION void list_cell(int cell, int* cells, int capacity, int& count,
                                              int& last) const {
     if (cell < last || !is_cell(faces_, cell)) return;
@@ -493,6 +495,16 @@ class Overlaps {
   KOKKOS_FORCEINLINE_FUNCTION double highest_start(const MotionBounds& bounds,
                                                    const Rise& rise) const {
     return -(rise.rest - overlap_error(bounds));
+  }
+
+  /// The nodes of a group whose overlaps at the beginning of a step, with what is followed on a way
+  /// of `distance` [chi], come to the level `start`.
+  KOKKOS_FORCEINLINE_FUNCTION std::uint32_t starts_high(const Place& place, int group,
+                                                        const Real& overlap, double distance,
+                                                        double start) const {
+    Real most = overlap;
+    if (group_bounds_.follows()) most = most + group_bounds_.followed_rise(place, group, distance);
+    return lanes_.at_least(most, start);
   }
 
   /// Error of an evaluated overlap [m]. Roundings: one of the value, up to a third of one of the

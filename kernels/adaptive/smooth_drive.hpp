@@ -292,12 +292,18 @@ class SmoothDrive {
     expected_onset_ = 1e300;
     if (!(size < 1e300)) return 3.0;
     const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
-    const Rise rise = overlaps_.longest_rise(now.u, bounds, ticks);
+    const double time = static_cast<double>(ticks) * motion_.time_step;
+    const Rise rise =
+        overlaps_.knows_footprint()
+            ? overlaps_.longest_rise(place, now, step_.end(), bounds, ticks,
+                                     time * pace_rate(step_.pace(), 0.0),
+                                     time * pace_rate(step_.pace(), 1.0), b.remainder())
+            : overlaps_.longest_rise(now.u, bounds, ticks);
     overlaps_.find_groups(place, now, bounds, rise, available - ticks);
     overlaps_.select(place, now.u, bounds, rise, ticks);
     overlaps_.evaluate(place, now.u, now.v, path_.moved(place, tick + ticks), step_.end().u,
                        step_.end().v);
-    const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds);
+    const int flagged = overlaps_.flag_over(place, now.u, motion, b, step_.ticks(), bounds, rise);
     if (!overlaps_.has_room(flagged)) return -1.0;
     flagged_ = leave_out_grown(flagged);
     if (flagged_ == 0) return 3.0;

@@ -349,6 +349,55 @@ TEST(CandidateGroups, NoCellExceedsItsEndsByMoreThanItsSag) {
   }
 }
 
+/// With the cells' sag, along the way over the faces to the end of a spacing.
+TEST(FacesCourse, BoundsTheOverlapsOfAGroupToTheEndOfTheSpacing) {
+  Dice dice(12);
+  constexpr double shy = 1e-12;  // of the next spacing
+  for (const Bodies::Faces kind :
+       {Bodies::Faces::linear, Bodies::Faces::corners, Bodies::Faces::wavy}) {
+    double nearest = 0, nearest_node = 0;
+    for (int scene = 0; scene < 20; ++scene) {
+      const Bodies bodies(dice, true, kind);
+      const FaceTables& faces = bodies.t.faces;
+      const double position = dice.uniform(0, 100), left = std::floor(position) + 1 - position;
+      const auto overlaps_at = [&](int group, double share) {
+        const Place place = bodies.place(position + share * left * (1 - shy));
+        const StaticOverlap<HostLanes> now(lanes, faces, place, group);
+        return std::pair{now.height, now.rise};
+      };
+      for (int group = 0; group < Bodies::groups; ++group) {
+        if (nodes_left(faces, group, width) < width) continue;  // its last nodes do not exist
+        const Place place = bodies.place(position);
+        const double roundings =
+            64 * eps + (2 * position_rounding(place) + shy) * faces.steepest_rise;
+        const Real sag = faces.smooth ? cell_sag(lanes, faces, place, group) : Real(0.0);
+        const auto [height, rise] = overlaps_at(group, 0);
+        const FacesCourse<HostLanes> course(lanes, faces, place, group, height, rise);
+        const double highest = course.highest(lanes), slope = course.slope(lanes, left);
+        EXPECT_EQ(highest, lanes.max(height + sag));
+        Real farthest(0.0);  // that each node has risen
+        for (const double share : {0.01, 0.1, 0.3, 0.5, 0.8, 1.0}) {
+          const double distance = share * left, bound = highest + slope * distance;
+          const Real there = overlaps_at(group, share).first, risen = there - height;
+          const double most = lanes.max(there + sag);
+          ASSERT_LE(most, bound + roundings) << "group " << group << ", " << share;
+          if (slope > 0) nearest = std::max(nearest, (most - highest) / (slope * distance));
+          farthest = Kokkos::max(farthest, risen);
+          const Real followed = course.most_risen(distance);
+          ASSERT_EQ(lanes.at_least(farthest - followed, roundings), 0u) << share;
+          // a list of groups counts on no more than this being added to the truth
+          const double excess = distance * distance * faces.largest_face_curvature;
+          ASSERT_EQ(lanes.at_least(followed - farthest, excess + roundings), 0u) << share;
+          if (lanes.max(followed) > 0.01)
+            nearest_node = std::max(nearest_node, lanes.max(farthest) / lanes.max(followed));
+        }
+      }
+    }
+    EXPECT_GT(nearest, 0.9);
+    EXPECT_GT(nearest_node, 0.9);
+  }
+}
+
 TEST(CandidateGroups, LeaveOutNothingThatTheCubicsMiss) {
   // one node just touches; the list is to hold for no travel
   Dice dice(6);

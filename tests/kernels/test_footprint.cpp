@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "kernels/group_sweep.hpp"
 #include "tests/areal_scenes.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
@@ -146,6 +147,48 @@ TEST(Footprint, IsWhatTheResonatorMovesTheNodesBy) {
   EXPECT_GT(moved, 1);
 }
 
+/// Overlaps by the polynomials, at every node: of the slider's motion nothing is left out.
+TEST(Footprint, GivesTheOverlapsOfAllNodes) {
+  Dice dice(8);
+  const Sliding scene(5.8e-3, 2.5e-3);
+  const Footprint<HostLanes, many> footprint(lanes, scene.t.bounds);
+  std::vector<double> terms(scene.n.footprint_terms);
+  double farthest = 0;
+  for (int sample = 0; sample < 40; ++sample) {
+    std::vector<double> x(many * width, 0.0);
+    const auto all = scene.modes() + static_cast<int>(scene.model.slider.modes.size());
+    const double by_resonator = sample % 2 == 0 ? 1e-6 : 0.0;
+    for (int k = 0; k < all; ++k)
+      x[k] = (k < scene.modes() ? by_resonator : 1e-6) * dice.uniform(-1, 1) /
+             scene.t.bounds.largest_shape[k];
+    Model there = scene.model;
+    there.position += dice.uniform(0, 40);
+    const Place place = scene.place(there.position);
+    footprint.expand(place, ManyPacks(x).x, terms.data());
+    const double left_out = footprint.left_out(ManyPacks(x).x, scene.modes());
+    double truly_left_out = 0;
+    for (int k = 0; k < scene.modes(); ++k)
+      truly_left_out += scene.t.bounds.footprint.remainder[k] * std::abs(x[k]);
+    EXPECT_NEAR(left_out, truly_left_out, 1e-12 * truly_left_out);
+    const auto slider = x.begin() + scene.modes();
+    const std::vector<double> over =
+        overlaps(there, {x.begin(), slider}, {slider, x.begin() + all});
+    FootprintSweep<HostLanes, many> sweep(lanes, scene.t.faces, scene.t.slider, scene.t.bounds,
+                                          place, terms.data(), x.data());
+    for (const int group : dice.order(scene.n.groups)) {
+      double found[width];
+      lanes.store(found, sweep.overlap(group).overlap);
+      const int row = group / scene.n.row_groups, first = group % scene.n.row_groups * width;
+      for (int l = 0; l < width && first + l < scene.n.row_nodes; ++l) {
+        const double off = std::abs(found[l] - over[row * scene.n.row_nodes + first + l]);
+        EXPECT_LE(off, left_out + 1e-18) << "group " << group;
+        if (left_out > 0) farthest = std::max(farthest, off / left_out);
+      }
+    }
+  }
+  EXPECT_GT(farthest, 0.02) << "the remainder is of use";
+}
+
 /// With the slider's part in the middle of each group taken off.
 TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
   Dice dice(6);
@@ -158,7 +201,8 @@ TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
     for (int k = sample % 2 == 0 ? 0 : scene.modes(); k < all; ++k)
       x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
     const double position = scene.model.position + dice.uniform(0, 40);
-    const double bound = footprint.most(scene.place(position), ManyPacks(x).x, true);
+    const ManyPacks one(x), none(std::vector<double>(many * width, 0.0));
+    const double bound = footprint.most_in_group(scene.place(position), none.x, one.x, none.x);
     double left = 0;
     for (int j = 0; j < scene.model.rows; ++j)
       for (int i = 0; i < scene.n.row_nodes; ++i) {
@@ -171,7 +215,7 @@ TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
       }
     EXPECT_LE(left, bound);
     if (sample % 2 == 1) {
-      EXPECT_LT(bound, 0.5 * footprint.most(scene.place(position), ManyPacks(x).x));
+      EXPECT_LT(bound, 0.5 * footprint.most(scene.place(position), one.x));
       if constexpr (width > 1) {  // groups of one node are followed whole
         EXPECT_GT(left, 0.05 * bound);
       }

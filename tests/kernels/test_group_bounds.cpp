@@ -45,8 +45,31 @@ struct Listed : Filled {
     s.work.candidates.reference_u = reference.data();
     s.work.groups = {selected.data(), evaluated.data(), own_shape.data(), own_motion.data()};
   }
-  /// Of all nodes, group by group; nodes that do not exist lie low.
+  Place place_at(double position) const {
+    SliderMotion motion = t.motion;
+    motion.position = position;
+    return {motion, 0};
+  }
+  /// Of all nodes, group by group; nodes that do not exist lie low. Between smooth faces with the
+  /// sag of the cells beside each.
   std::vector<double> overlaps_at(const std::vector<double>& u, double position) {
+    std::vector<double> over = between_lines(u, position);
+    if (!t.faces.smooth) return over;
+    const std::vector<double> lines = between_lines(std::vector<double>(n.lanes, 0.0), position);
+    const Place place = place_at(position);
+    for (int e = 0; e < n.groups; ++e) {
+      double splines[width];
+      lanes.store(
+          splines,
+          StaticOverlap<HostLanes>(lanes, t.faces, place, e, nodes_beyond(t.faces, e)).height +
+              cell_sag(lanes, t.faces, place, e));
+      for (int l = 0; l < std::min(width, nodes_left(t.faces, e, width)); ++l)
+        over[e * width + l] += splines[l] - lines[e * width + l];
+    }
+    return over;
+  }
+  /// As if the faces were straight from node to node.
+  std::vector<double> between_lines(const std::vector<double>& u, double position) {
     model.position = position;
     const auto first = u.begin();
     const auto modes2 = static_cast<std::ptrdiff_t>(model.resonator.modes.size()),
@@ -70,14 +93,16 @@ State state_of(const std::vector<double>& u, const std::vector<double>& v) {
   return state;
 }
 
-/// In every step every group is selected in which a node reaches a level, along a motion that is a
-/// cubic in time. Groups that are not selected keep the bounds of earlier steps.
-TEST(GroupBounds, SelectEveryGroupThatComesNear) {
+/// In every step every group is selected in which a node, or a cell beside it, reaches a level,
+/// along a motion that is a cubic in time. Groups that are not selected keep the bounds of earlier
+/// steps.
+void select_every_group_that_comes_near(Faces faces_are) {
   Dice dice(11);
   int near = 0, chosen = 0, all = 0;
   for (int scene = 0; scene < 12; ++scene) {
     ArealScene of = many_nodes();
     of.plate.modes = 40;
+    of.faces = faces_are;
     Listed listed(areal_march(of, 1e-6, 1e-3).model);
     ASSERT_GT(listed.n.footprint_terms, 0);
     GroupBounds<HostLanes, many> bounds(lanes, listed.t.motion, listed.t.faces, listed.t.slider,
@@ -101,11 +126,7 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
     };
     std::vector<double> u = random(1), v = random(1);
     double position = std::floor(listed.model.position) + 1.01;
-    SliderMotion motion = listed.t.motion;
-    const auto place_at = [&](double at) {
-      motion.position = at;
-      return Place(motion, 0);
-    };
+    const auto place_at = [&](double at) { return listed.place_at(at); };
     std::vector<double> over = listed.overlaps_at(u, position);
     const auto highest_of = [&](int e) {
       return *std::max_element(over.begin() + e * width, over.begin() + (e + 1) * width);
@@ -114,18 +135,17 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
     constexpr int above = 300;  // nodes: so many that others are close below
     std::nth_element(ranked.begin(), ranked.begin() + above, ranked.end(), std::greater<>());
     const double level = ranked[above];
-    // what the faces raise each node by to just before the crossing, on which they are straight
-    const double left = rest_of_spacing(place_at(position), motion),
-                 to = std::floor(position) + 1 - 1e-9 - position;
-    const std::vector<double> still(listed.n.lanes, 0.0),
-        faces = listed.overlaps_at(still, position),
-        faces_there = listed.overlaps_at(still, position + to);
+    const Place first = place_at(position);
+    const double left = rest_of_spacing(first, listed.t.motion);
     for (int e = 0; e < listed.n.groups; ++e) {
-      listed.highest[e] = highest_of(e);
-      double there = -1;
-      for (int n = e * width; n < (e + 1) * width; ++n)
-        there = std::max(there, over[n] + left / to * (faces_there[n] - faces[n]));
-      listed.slope[e] = (there - listed.highest[e]) / left;
+      const FaceTables& faces = listed.t.faces;
+      Real overlap = lanes.load(over.data() + e * width);
+      if (faces.smooth) overlap = overlap - cell_sag(lanes, faces, first, e);
+      const FacesCourse<HostLanes> course(
+          lanes, faces, first, e, overlap,
+          StaticOverlap<HostLanes>(lanes, faces, first, e, nodes_beyond(faces, e)).rise);
+      listed.highest[e] = course.highest(lanes);
+      listed.slope[e] = course.slope(lanes, left);
     }
     listed.reference = u;
     listed.s.work.candidates.reference_u = listed.reference.data();
@@ -137,7 +157,7 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
       for (std::size_t k = 0; k < modes; ++k) end[k] += move[k];
       const State before = state_of(u, v), after = state_of(end, fast);
       const Place place = place_at(position);
-      const Rise rise = bounds.rise(place, before, after, 1.0, 0.0, 1e300);
+      const Rise rise = bounds.rise(place, before, after, 1.0, 1.0, 0.0, 1e300);
       const double rest =
           rise.rest +
           distance * listed.model.scene.spacing *
@@ -172,13 +192,23 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
       bounds.end_step();
       if (step % 3 == 2) continue;  // as where a contact begins: nothing is taken
       std::vector<double> rows(2 * listed.n.groups * width, -1.0);
-      for (int e = 0; e < listed.n.groups; ++e)
-        std::copy_n(over.begin() + e * width, width, rows.begin() + 2 * e * width);
+      for (int e = 0; e < listed.n.groups; ++e) {
+        Real at_nodes = lanes.load(over.data() + e * width);
+        if (listed.t.faces.smooth)
+          at_nodes = at_nodes - cell_sag(lanes, listed.t.faces, place_at(position), e);
+        lanes.store(rows.data() + 2 * e * width, at_nodes);
+      }
       bounds.take(place_at(position), state_of(u, v).u, rows.data());
     }
   }
   EXPECT_GT(near, 1000);
   EXPECT_LT(chosen, all / 3);
+}
+TEST(GroupBounds, SelectEveryGroupThatComesNear) {
+  select_every_group_that_comes_near(Faces::linear);
+}
+TEST(GroupBounds, SelectEveryGroupWhoseCellsComeNear) {
+  select_every_group_that_comes_near(Faces::smooth);
 }
 
 }  // namespace
