@@ -55,24 +55,19 @@ KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real most_in_cells(const Lanes& lane
   return Kokkos::max(ends, other) + hidden * hidden / multiply_add(16.0, least, Real(1e-300));
 }
 
-/// Smooth faces: the cells beside the nodes of a group whose overlap may come to `level`, in
-/// ascending order, to list(cell); it is called with some that do not exist (is_cell), and with one
-/// at the border of two groups perhaps twice. `ends`, `sag` as above; `high`: nodes, one of which a
-/// cell must end at.
-template <class Lanes, class List>
-KOKKOS_FORCEINLINE_FUNCTION void list_close_cells(const Lanes& lanes, const FaceTables& faces,
-                                                  int group, const typename Lanes::Real& ends,
-                                                  const typename Lanes::Real& sag, double level,
-                                                  std::uint32_t high, const List& list) {
-  constexpr std::uint32_t last = 1u << (Lanes::width - 1);
-  // both nodes of a cell stand in this group, but for the cells at its borders
-  const std::uint32_t inside =
-      lanes.at_least(most_in_cells(lanes, ends, sag), level) & (high | high >> 1);
-  const std::uint32_t at_either = lanes.at_least(ends + sag, level) & high;
-  const int first = group * Lanes::width, left = nodes_left(faces, group, Lanes::width) - 1;
-  if ((at_either & 1u) != 0) list(first - 1);
-  std::uint32_t bits = (inside & (last - 1)) | (at_either & last);
-  if (left < Lanes::width) bits &= left > 0 ? (1u << left) - 1u : 0u;
+/// Smooth faces: calls list(cell) for cells beside the nodes of a group, in ascending order: those
+/// between two of its nodes whose bits are set in `inside`, and those at its borders whose node has
+/// its bit set in `ends`. Some do not exist (is_cell), and one at the border of two groups may come
+/// twice.
+template <int width, class List>
+KOKKOS_FORCEINLINE_FUNCTION void list_cells_of(const FaceTables& faces, int group,
+                                               std::uint32_t inside, std::uint32_t ends,
+                                               const List& list) {
+  constexpr std::uint32_t last = 1u << (width - 1);
+  const int first = group * width, left = nodes_left(faces, group, width) - 1;
+  if ((ends & 1u) != 0) list(first - 1);
+  std::uint32_t bits = (inside & (last - 1)) | (ends & last);
+  if (left < width) bits &= left > 0 ? (1u << left) - 1u : 0u;
   for (; bits != 0; bits &= bits - 1) list(first + Kokkos::Experimental::countr_zero_builtin(bits));
 }
 

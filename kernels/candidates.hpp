@@ -293,7 +293,8 @@ class Candidates {
   /// `ends`: bounds on the overlaps at the nodes, `sag` as cell_sag.
   RA2D_FUNCTION void list_cells(int group, const Real& ends, const Real& sag, double level,
                                 int& count) {
-    list_close_cells(lanes_, faces_, group, ends, sag, level, ~0u, [&](int cell) {
+    const std::uint32_t inside = lanes_.at_least(most_in_cells(lanes_, ends, sag), level);
+    list_cells_of<width>(faces_, group, inside, lanes_.at_least(ends + sag, level), [&](int cell) {
       if (cell <= last_listed_ || !is_cell(faces_, cell)) return;
       last_listed_ = cell;
       list(cell, count);

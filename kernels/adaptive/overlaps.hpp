@@ -309,7 +309,9 @@ class Overlaps {
                            motion.change_of_slide_rate() * faces_.steepest_rise;
     const double sag = modes_sag(u, bounds.travel);
     const double level = -(bounds.remainder() + of_face / 3.0 + overlap_error(motion_bounds) + sag);
-    const double start = highest_start(motion_bounds, rise) - sag,
+    // plane scenes leave none out, for the bits that they have always had
+    const bool is_areal = faces_.rows.across != nullptr;
+    const double start = is_areal ? highest_start(motion_bounds, rise) - sag : -1e300,
                  distance = ticks * motion_.advance;
     const double third = ticks * motion_.time_step / 3.0;
     const double rate0 = third * pace_rate(motion.pace, 0.0),
@@ -449,10 +451,18 @@ class Overlaps {
                                               const Real& most, double level, double distance,
                                               double start, int& count, int& last) const {
     const Real sag = cell_sag(lanes_, faces_, place, group);
-    if (lanes_.at_least(most + sag, level) == 0) return;
+    std::uint32_t ends = lanes_.at_least(most + sag, level);
+    if (ends == 0) return;
     const std::uint32_t high = starts_high(place, group, overlap + sag, distance, start);
-    list_close_cells(lanes_, faces_, group, most, sag, level, high,
-                     [&](int cell) { list_cell(cell, listed_nodes_, most_listed_, count, last); });
+    ends &= high;
+    // plane scenes go by the higher end alone, for the bits that they have always had
+    const std::uint32_t inside =
+        faces_.rows.across == nullptr
+            ? ends | ends >> 1
+            : lanes_.at_least(most_in_cells(lanes_, most, sag), level) & (high | high >> 1);
+    list_cells_of<width>(faces_, group, inside, ends, [&](int cell) {
+      list_cell(cell, listed_nodes_, most_listed_, count, last);
+    });
   }
   /// Lists a cell that exists; they come in ascending order. `last`: one beyond the latest.
   KOKKOS_FORCEINLINE_FUNCTION void list_cell(int cell, int* cells, int capacity, int& count,
