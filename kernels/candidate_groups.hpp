@@ -65,10 +65,11 @@ KOKKOS_FORCEINLINE_FUNCTION void list_cells_of(const FaceTables& faces, int grou
                                                const List& list) {
   constexpr std::uint32_t last = 1u << (width - 1);
   const int first = group * width, left = nodes_left(faces, group, width) - 1;
-  if ((ends & 1u) != 0) list(first - 1);
   std::uint32_t bits = (inside & (last - 1)) | (ends & last);
   if (left < width) bits &= left > 0 ? (1u << left) - 1u : 0u;
-  for (; bits != 0; bits &= bits - 1) list(first + Kokkos::Experimental::countr_zero_builtin(bits));
+  // from the cell before the first node on
+  for (std::uint64_t cells = std::uint64_t{bits} << 1 | (ends & 1u); cells != 0; cells &= cells - 1)
+    list(first - 1 + Kokkos::Experimental::countr_zero_builtin(cells));
 }
 
 /// The modes' part of cell_sag, at displacements that are at most `travel` [m] away from u.
@@ -245,19 +246,18 @@ class CandidateGroups {
         find_coarse_on_rows(u, place);
       coarse_below = below + error;
     }
-    const auto find_fine_by = [&](auto sweep, double left_out) {
-      if (!faces_.smooth) [[likely]]
-        find_fine<false>(sweep, place, below, coarse_below, to_end, back, left_out);
+    using Polynomials = FootprintSweep<Lanes, packs>;
+    using Sums = GroupSweep<Lanes, packs>;
+    if (!faces_.smooth) [[likely]] {
+      if (by_footprint)
+        find_fine<false, Polynomials>(u, place, below, coarse_below, to_end, back);
       else
-        find_fine<true>(sweep, place, below, coarse_below, to_end, back, left_out);
-    };
-    if (by_footprint)
-      find_fine_by(FootprintSweep<Lanes, packs>(lanes_, faces_, slider_, bounds_, place,
-                                                lists_.footprint, lists_.reference_u),
-                   footprint().left_out(u, slider_.first_lane));
-    else
-      find_fine_by(
-          GroupSweep<Lanes, packs>(lanes_, faces_, slider_, patches_, place, amplitudes_, u), 0.0);
+        find_fine<false, Sums>(u, place, below, coarse_below, to_end, back);
+    } else if (by_footprint) {
+      find_fine<true, Polynomials>(u, place, below, coarse_below, to_end, back);
+    } else {
+      find_fine<true, Sums>(u, place, below, coarse_below, to_end, back);
+    }
   }
 
  private:
@@ -292,13 +292,22 @@ class CandidateGroups {
   KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
     return {lanes_, bounds_};
   }
+  template <class Sweep>
+  KOKKOS_FORCEINLINE_FUNCTION Sweep sweep_at(const Real* u, const Place& place) const {
+    if constexpr (Sweep::sums_modes)
+      return {lanes_, faces_, slider_, patches_, place, amplitudes_, u};
+    else
+      return {lanes_, faces_, slider_, bounds_, place, lists_.footprint, lists_.reference_u};
+  }
   /// The groups of the coarse list that come within `below` of contact on the rest of this spacing.
-  /// `coarse_below`: that, and all that the modes can have added since the coarse list was made;
-  /// `left_out`: bound on what the overlaps of `sweep` are off by [m].
+  /// `coarse_below`: that, and all that the modes can have added since the coarse list was made.
+  /// `Sweep` finds the overlaps.
   template <bool smooth, class Sweep>
-  KOKKOS_FORCEINLINE_FUNCTION void find_fine(Sweep& sweep, const Place& place, double below,
-                                             double coarse_below, double to_end, double back,
-                                             double left_out) {
+  KOKKOS_FORCEINLINE_FUNCTION void find_fine(const Real* u, const Place& place, double below,
+                                             double coarse_below, double to_end, double back) {
+    Sweep sweep = sweep_at<Sweep>(u, place);
+    // bound on what its overlaps are off by
+    const double left_out = Sweep::sums_modes ? 0.0 : footprint().left_out(u, slider_.first_lane);
     const double left_of_spacing = rest_of_spacing(place, motion_);
     int count = 0, evaluated = 0, looked_at = 0;
     for (int first = 0; first < coarse_count_; first += width) {
