@@ -37,8 +37,8 @@ inline constexpr double row_stage = 270, row_more_nodes = 2.5;
 // Of areal scenes between smooth faces, from runs of scenes/areal.toml at 62.5 um along and 32 to 8
 // um across: steps over those of a plane scene, and what each cell in contact adds to them; the
 // share of a step that each such cell takes; what a step evaluates elsewhere.
-inline constexpr double row_smooth_steps = 0.75, row_smooth_steps_more = 0.065,
-                        row_smooth_more_share = 0.55, row_smooth_groups = 5000;
+inline constexpr double row_smooth_steps = 0.47, row_smooth_steps_more = 0.041,
+                        row_smooth_more_share = 0.3, row_smooth_groups = 7000;
 // Between smooth faces: a step with contact, of nine points.
 inline constexpr double smooth_step = 4000.0;
 // The share of such a step that each node or cell more takes: where all of them touch; and on
