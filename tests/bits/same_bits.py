@@ -504,6 +504,28 @@ def areal_scenes():
     yield "areal", 5e-3, *free, "scene.spacing=2e-5"
 
 
+def smooth_scenes():
+    """Between smooth faces: all other scenes here have linear ones."""
+    smooth, adaptive = "scene.faces=smooth", "time.scheme=adaptive"
+    for spacing in ("8e-6", "32e-6", "64e-6"):
+        for tolerance in ("1e-4", "1e-6", "1e-8"):
+            yield ("dang2012", 0.03, smooth, adaptive, f"scene.spacing={spacing}",
+                   f"time.tolerance={tolerance}")
+    for name, duration in (("dang2012", 0.01), ("dang2012-pinned", 0.05)):
+        for settings in (("time.scheme=midpoint", "time.step=1e-7"),
+                         ("time.scheme=rk4", "time.step=1e-7", "time.nodes=all"),
+                         ("time.scheme=backward-euler", "contact.law=multiplier",
+                          "time.step=1e-7")):
+            yield name, duration, smooth, "scene.spacing=32e-6", *settings
+    yield "dang2012", 0.01, smooth, adaptive, "scene.spacing=32e-6", "time.nodes=all"
+    yield "dang2012-pinned", 0.05, smooth, adaptive, "scene.spacing=32e-6"
+    areal = (smooth, "scene.spacing=1e-4", "scene.spacing_y=5e-5", "slider.length=5e-3",
+             "slider.width=4e-3", "contact.stiffness=1e15", "output.rate=1e4", "slider.load=0.5")
+    yield "areal", 3e-3, *areal
+    yield "areal", 3e-3, *areal, "resonator.max_frequency=2e3"
+    yield "areal", 2e-3, *areal, "time.scheme=midpoint", "time.step=2e-7"
+
+
 def scenes_of_the_program():
     """Those of scenes/, shortened, and as other schemes and laws take them."""
     flat = ["slider.surface.kind=flat", "resonator.surface.kind=flat"]
@@ -532,6 +554,7 @@ def scenes_of_the_program():
         ("moving-force", 0.005, 0),
         ("moving-force", 0.015, "time.scheme=adaptive", 0),
         *areal_scenes(),
+        *smooth_scenes(),
     ]
     for number, (name, duration, *settings) in enumerate(listed, 1):
         shocks = settings.pop() if settings and isinstance(settings[-1], int) else LEAST_SHOCKS
