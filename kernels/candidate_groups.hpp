@@ -292,6 +292,7 @@ class CandidateGroups {
   KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
     return {lanes_, bounds_};
   }
+  /// Of the overlaps at the displacements u, by sums over the modes or by the footprint.
   template <class Sweep>
   KOKKOS_FORCEINLINE_FUNCTION Sweep sweep_at(const Real* u, const Place& place) const {
     if constexpr (Sweep::sums_modes)

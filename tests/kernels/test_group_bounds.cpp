@@ -14,6 +14,7 @@
 #include "tests/areal_scenes.hpp"
 #include "tests/dice.hpp"
 #include "tests/filled.hpp"
+#include "tests/kernels_of.hpp"
 
 /// The groups of nodes that areal scenes evaluate for a step of the adaptive scheme.
 namespace ra2d::test {
@@ -209,6 +210,40 @@ TEST(GroupBounds, SelectEveryGroupThatComesNear) {
 }
 TEST(GroupBounds, SelectEveryGroupWhoseCellsComeNear) {
   select_every_group_that_comes_near(Faces::smooth);
+}
+
+/// What is followed of a smooth face may be more than it truly rises by: lists of groups, which
+/// know the truth, have to hold for that, too.
+TEST(GroupBounds, ListsHoldForMoreThanASmoothFaceRisesBy) {
+  ArealScene of = many_nodes();
+  of.faces = Faces::smooth;
+  Listed listed(areal_march(of, 1e-6, 1e-3).model);
+  std::vector<double> ends(4 * listed.n.groups * width, 0.0);
+  listed.s.work.search.overlaps = ends.data();
+  Overlaps<HostLanes, many> overlaps = overlaps_of<many>(listed.t, listed.s);
+  ASSERT_TRUE(overlaps.knows_footprint());
+  const FaceTables& faces = listed.t.faces;
+  const std::vector<double> zero(listed.n.lanes, 0.0);
+  const State still = state_of(zero, zero);
+  const double position = std::floor(listed.model.position) + 1.4;
+  const auto ticks = static_cast<std::int64_t>(0.02 / listed.t.motion.advance);
+  const double distance = static_cast<double>(ticks) * listed.t.motion.advance;
+  const Place place = listed.place_at(position), there = listed.place_at(position + distance);
+  const Rise rise = overlaps.longest_rise(place, still, still, {0.0, 0.0, 0.0, 0.0}, ticks);
+  double excess = 0;
+  for (int e = 0; e < listed.n.groups; ++e) {
+    const int beyond = nodes_beyond(faces, e);
+    const StaticOverlap<HostLanes> now(lanes, faces, place, e, beyond);
+    const Real followed =
+        FacesCourse<HostLanes>(lanes, faces, place, e, now.height, now.rise).most_risen(distance);
+    const Real risen = StaticOverlap<HostLanes>(lanes, faces, there, e, beyond).height - now.height;
+    double more[width];
+    lanes.store(more, followed - Kokkos::max(risen, Real(0.0)));
+    for (int l = 0; l < std::min(width, nodes_left(faces, e, width)); ++l)
+      excess = std::max(excess, more[l]);
+  }
+  EXPECT_GE(rise.any - rise.rest, excess);
+  EXPECT_LT(rise.any - rise.rest, 4 * excess) << "and for little more";
 }
 
 }  // namespace

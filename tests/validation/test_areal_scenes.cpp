@@ -367,7 +367,7 @@ TEST(ArealScenes, ImpulsesBalanceTheLoad) {
 /// Bounds on what the modes can do within a step leave few nodes of a large block to be looked at,
 /// of many modes and of few: 28 and 340 a step, of 160 000. With bounds by the modes' sizes alone,
 /// as faults on purpose have them, they are 160 and 10 000. Between smooth faces they are 110 of
-/// 80 000, and were 470.
+/// 80 000, without polynomials for the modes 470.
 TEST(ArealScenes, OfALargeBlockFewNodesAreEvaluated) {
   struct Case {
     std::string side, across, faces, highest, duration;  // m, m, Hz, s
