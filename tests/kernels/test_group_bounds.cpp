@@ -212,8 +212,8 @@ TEST(GroupBounds, SelectEveryGroupWhoseCellsComeNear) {
   select_every_group_that_comes_near(Faces::smooth);
 }
 
-/// What is followed of a smooth face may be more than it truly rises by: lists of groups, which
-/// know the truth, have to hold for that, too.
+/// A smooth face is followed by a bound on its rise, which may be more than the rise itself. Lists
+/// of groups, which know the face, have to hold for that, too.
 TEST(GroupBounds, ListsHoldForMoreThanASmoothFaceRisesBy) {
   ArealScene of = many_nodes();
   of.faces = Faces::smooth;
