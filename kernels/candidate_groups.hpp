@@ -433,9 +433,10 @@ class CandidateGroups {
         lanes_.store(amplitudes_ + p * width, x[p]);
       }
       lanes_.sync();
-      const int found = find_tiles(band, x, place, variation);
-      coarse_work_ += faces_.tiles.count + found * tile_rows * faces_.tiles.groups;
-      if (found > 0) list_groups_of_tiles(band, found, place, count);
+      const int tiles = find_tiles(band, x, place, variation);
+      const int columns = tiles > 0 ? find_columns(band, tiles, place) : 0;
+      coarse_work_ += faces_.tiles.count + columns * tile_rows;
+      if (columns > 0) list_groups_of_columns(band, columns, place, count);
     }
     coarse_count_ = count;
     lanes_.sync();
@@ -520,35 +521,57 @@ class CandidateGroups {
     return Kokkos::max(most, Real(0.0)) +
            Kokkos::max(lanes_.load(faces_.sag1 + group * width) + most, Real(0.0));
   }
-  /// Lists the groups of `found` tiles that come near contact, row by row.
-  RA2D_FUNCTION void list_groups_of_tiles(int band, int found, const Place& place, int& count) {
+  /// Lists the columns of `found` tiles that come near contact, in CandidateLists::columns.
+  RA2D_FUNCTION int find_columns(int band, int found, const Place& place) {
+    const TileTables& tiles = faces_.tiles;
+    const std::int64_t at = band;
+    const double* const own = tiles.column1 + at * tiles.column_row;
+    const double* const opposite =
+        tiles.column2 + at * tiles.column_strip + (place.base - faces_.rows.behind) / width;
+    int columns = 0;
+    for (int e = 0; e < found; ++e) {
+      const int tile = lists_.tiles[e], begin = tile * tiles.groups;
+      const int end =
+          begin + tiles.groups < faces_.rows.groups ? begin + tiles.groups : faces_.rows.groups;
+      const Real displacement(lists_.tile_displacement[tile]);
+      for (int g = begin; g < end; g += width) {
+        const Real top = lanes_.load(own + g) + lanes_.load(opposite + g) + displacement;
+        std::uint32_t bits = lanes_.at_least(top, -coarse_below_);
+        if (end - g < width) bits &= (1u << (end - g)) - 1u;
+        for (; bits != 0; bits &= bits - 1, ++columns)
+          if (lanes_.leader())
+            lists_.columns[columns] = g + Kokkos::Experimental::countr_zero_builtin(bits);
+      }
+    }
+    lanes_.sync();
+    return columns;
+  }
+  /// Lists the groups of `columns` columns that come near contact, row by row.
+  RA2D_FUNCTION void list_groups_of_columns(int band, int columns, const Place& place, int& count) {
     const RowTables& rows = faces_.rows;
     const int first = band * tile_rows, all = faces_.groups / rows.groups,
               last = first + tile_rows < all ? first + tile_rows : all;
     for (int row = first; row < last; ++row)
-      for (int e = 0; e < found; ++e) {
-        const int tile = lists_.tiles[e], begin = tile * faces_.tiles.groups;
-        const Real displacement(lists_.tile_displacement[tile]);
-        for (int g = begin; g < begin + faces_.tiles.groups && g < rows.groups; ++g) {
-          const int group = row * rows.groups + g, next = group + rows.groups;
-          const int passed = place.base - rows.behind + row * rows.excess + group * width;
-          const double* const h2 = faces_.height2 + passed;
-          if (row + 1 < last) {
-            lanes_.prefetch(h2 + rows.excess + rows.groups * width);
-            lanes_.prefetch(h2 + rows.excess + rows.groups * width + width);
-            lanes_.prefetch(faces_.height1 + next * width);
-          }
-          Real face = lanes_.load(h2);
-          for (int ahead = 1; ahead <= width; ++ahead)
-            face = Kokkos::max(face, lanes_.load(h2 + ahead));
-          Real top = lanes_.load(faces_.height1 + group * width) + face + displacement;
-          if (faces_.smooth) [[unlikely]]
-            top = top + sag_on_path(group, passed);
-          const int listed = count;
-          list_coarse(group, top, count);
-          if (count > listed && lanes_.leader())
-            lists_.coarse_displacement[listed] = lists_.tile_displacement[tile];
+      for (int e = 0; e < columns; ++e) {
+        const int column = lists_.columns[e], group = row * rows.groups + column,
+                  next = group + rows.groups;
+        const int passed = place.base - rows.behind + row * rows.excess + group * width;
+        const double displacement = lists_.tile_displacement[column / faces_.tiles.groups];
+        const double* const h2 = faces_.height2 + passed;
+        if (row + 1 < last) {
+          lanes_.prefetch(h2 + rows.excess + rows.groups * width);
+          lanes_.prefetch(h2 + rows.excess + rows.groups * width + width);
+          lanes_.prefetch(faces_.height1 + next * width);
         }
+        Real face = lanes_.load(h2);
+        for (int ahead = 1; ahead <= width; ++ahead)
+          face = Kokkos::max(face, lanes_.load(h2 + ahead));
+        Real top = lanes_.load(faces_.height1 + group * width) + face + Real(displacement);
+        if (faces_.smooth) [[unlikely]]
+          top = top + sag_on_path(group, passed);
+        const int listed = count;
+        list_coarse(group, top, count);
+        if (count > listed && lanes_.leader()) lists_.coarse_displacement[listed] = displacement;
       }
   }
 };

@@ -219,6 +219,7 @@ struct CandidateLists {
   double* coarse_displacement = nullptr;  // m, areal scenes: the modes' part in it
   double* coarse_reference_u = nullptr;   // modal displacements at which the coarse list was made
   int* tiles = nullptr;                   // areal scenes: of a band, that come close
+  int* columns = nullptr;                 // of these: their groups in a row
   double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
   double* footprint = nullptr;            // m, (term): the resonator's, see Footprint::expand
   bool kept = false;                      // whether lists of nodes are (keeps_lists)
@@ -550,6 +551,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("tiles", s.candidates.tiles, static_cast<std::size_t>(n.padded_tiles()));
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));
+    visit("columns_close", s.candidates.columns, static_cast<std::size_t>(n.row_groups));
     visit("footprint_terms", s.candidates.footprint, static_cast<std::size_t>(n.footprint_terms));
   }
   const auto listed = static_cast<std::size_t>(n.listed);

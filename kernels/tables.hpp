@@ -67,7 +67,18 @@ struct MovingForceTable {
 };
 
 /// Rows of SchemeWeights::end. The constant outer force, the load, is multiplied in.
-enum EndRow : int { end_u_u, end_u_v, end_u_load, end_v_u, end_v_v, end_v_load, end_forces };
+enum EndRow : int {
+  end_u_u,
+  end_u_v,
+  end_u_load,
+  end_v_u,
+  end_v_v,
+  end_v_load,
+  end_now_mean,
+  end_now_change,
+  end_now_u,
+  end_forces
+};
 inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  // u_f, v_f of each
 /// First row of stage i >= 1 in SchemeWeights::stage: stage_u, stage_v, load, then stage_f[j] for j
 /// < i. For the host, like end_rows; the march finds it in SchemeWeights::stage_row.
@@ -231,6 +242,8 @@ struct Extents {
   int place_rows() const { return rows / 2 + 3; }
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
+  int column_row() const { return row_groups + width; }
+  int column_strip() const { return row_heights / width + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
   std::size_t series_orders() const { return 1 + static_cast<std::size_t>(higher_orders); }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
@@ -280,7 +293,11 @@ struct TileTables {
   /// (band, i, j): highest of height2 that the nodes of a tile meet whose first one stands in the
   /// resonator's group i + j groups, until they have gone `width` nodes further
   const double* highest2 = nullptr;
-  const double* shape = nullptr;   // (slider mode, tile): psi in the middle of a tile
+  // (band, group): as highest1 and highest2 of a column, the part of a tile that is a group wide;
+  // of column2 the resonator's group
+  const double *column1 = nullptr, *column2 = nullptr;
+  int column_row = 0, column_strip = 0;  // lengths of their rows
+  const double* shape = nullptr;         // (slider mode, tile): psi in the middle of a tile
   const double* across = nullptr;  // (band, lane): as RowTables::across, in the middle of a band
 };
 
@@ -301,7 +318,6 @@ struct FaceTables {
   const double* curvature1 = nullptr;  // (group, lane): h_1'' chi^2 at the nodes
   const double* curvature2 = nullptr;  // h_2'' chi^2 at the nodes, padded as height2
   double largest_face_curvature = 0;   // max |curvature2|
-  double largest_cell_sag = 0;         // of cell_sag anywhere
   // Each face's share of cell_sag (kernels/candidate_groups.hpp), of either sign.
   const double* sag1 = nullptr;  // (group, lane)
   const double* sag2 = nullptr;  // resonator node, padded as height2
@@ -546,6 +562,8 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
     visit("across", t.faces.rows.across, static_cast<std::size_t>(n.rows) * n.lanes);
     visit("tile_highest1", t.faces.tiles.highest1, bands * n.padded_tiles());
     visit("tile_highest2", t.faces.tiles.highest2, bands * n.tile_groups() * n.strip());
+    visit("column1", t.faces.tiles.column1, bands * n.column_row());
+    visit("column2", t.faces.tiles.column2, bands * n.column_strip());
     visit("tile_shape", t.faces.tiles.shape,
           static_cast<std::size_t>(n.slider_modes) * n.padded_tiles());
     visit("tile_across", t.faces.tiles.across, bands * n.lanes);

@@ -29,7 +29,8 @@ inline const std::vector<Scheme> schemes = {{{{SchemeKind::explicit_euler}}, "Ex
                                             {{{SchemeKind::heun}}, "Heun"},
                                             {{{SchemeKind::rk4}}, "Rk4"},
                                             {{{SchemeKind::rk8}}, "Rk8"},
-                                            {{{SchemeKind::exact}}, "Exact"}};
+                                            {{{SchemeKind::exact}}, "Exact"},
+                                            {{{SchemeKind::gautschi}}, "Gautschi"}};
 /// That of this kind.
 inline const Scheme& scheme_of(SchemeKind kind) {
   return *std::find_if(schemes.begin(), schemes.end(),

@@ -53,16 +53,24 @@ Eigen::MatrixXd lagged_step(const Scheme& scheme, const Joined& j, double tau) {
   return map;
 }
 
-Eigen::MatrixXd synchronise(const Scheme& scheme, const Eigen::MatrixXd& lagged) {
-  const Eigen::Index n = lagged.rows() / 2;
+Eigen::MatrixXd synchronise(const Scheme& scheme, const Joined& j, double tau,
+                            const Eigen::MatrixXd& lagged) {
+  const Eigen::Index n = j.size();
   const double lag = scheme.implicit() ? 0.0 : scheme.table().velocity_lag;
   Eigen::MatrixXd s = Eigen::MatrixXd::Identity(2 * n, 2 * n);
-  s.bottomRows(n) += lag * (lagged.bottomRows(n) - s.bottomRows(n));
+  if (lag == 0) return s;
+  const Eigen::MatrixXd change = lagged.bottomRows(n) - s.bottomRows(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const ModeStep w = scheme.table().prepare(j.modes[k], tau);
+    s.row(n + k) = w.now_mean * (s.row(n + k) + lag * change.row(k)) + w.now_change * change.row(k);
+    s(n + k, k) += w.now_u;
+  }
   return s;
 }
 
 Eigen::MatrixXd step_matrix(const Scheme& scheme, const Joined& j, double tau) {
-  const Eigen::MatrixXd lagged = lagged_step(scheme, j, tau), s = synchronise(scheme, lagged);
+  const Eigen::MatrixXd lagged = lagged_step(scheme, j, tau),
+                        s = synchronise(scheme, j, tau, lagged);
   Eigen::VectorXd scale = Eigen::VectorXd::Ones(2 * j.size());
   for (Eigen::Index k = 0; k < j.size(); ++k)
     scale[k] = j.modes[k].omega > 0 ? j.modes[k].omega : 1 / tau;

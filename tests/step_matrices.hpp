@@ -24,7 +24,8 @@ Joined alone(const Mode& mode);
 Eigen::MatrixXd lagged_step(const Scheme& scheme, const Joined& j, double tau);
 
 /// From the velocities that a scheme keeps to those at the time of U, which samples hold.
-Eigen::MatrixXd synchronise(const Scheme& scheme, const Eigen::MatrixXd& lagged);
+Eigen::MatrixXd synchronise(const Scheme& scheme, const Joined& j, double tau,
+                            const Eigen::MatrixXd& lagged);
 /// One step of (omega U, V), both at the same time; of rigid modes, of (U/tau, V).
 Eigen::MatrixXd step_matrix(const Scheme& scheme, const Joined& j, double tau);
 /// Spectral radius of a step.

@@ -84,6 +84,13 @@ constexpr Row rows[] = {{{SchemeKind::explicit_euler},
                          "every x",
                          "x_c < about 4 zeta_c",
                          "not in it",
+                         "not in it"},
+                        {{SchemeKind::gautschi},
+                         "Gautschi",
+                         "closed form, V staggered",
+                         "every x",
+                         "x_c < 2",
+                         "not in it",
                          "not in it"}};
 
 double theory_of(const Limit& limit) {

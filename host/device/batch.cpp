@@ -24,6 +24,7 @@
 #include "host/device/marches.hpp"
 #include "host/device/memory.hpp"
 #include "host/device/scene_memory.hpp"
+#include "host/scene/schemes.hpp"
 #include "host/system/interruption.hpp"
 #include "kernels/limits.hpp"
 
@@ -399,7 +400,11 @@ Snapshot Batch::snapshot(int slot) const {
   out.slider_u = take(s.out.now.u + modes2, modes1);
   out.slider_v = take(s.out.now.v + modes2, modes1);
   out.resonator_square = take(s.out.now.square, modes2);
-  for (std::size_t k = 0; k < modes2; ++k) out.resonator_square[k] += s.out.now.square_part[k];
+  for (std::size_t k = 0; k < modes2; ++k) {
+    out.resonator_square[k] += s.out.now.square_part[k];
+    out.resonator_square[k] *=
+        mean_square(scene.model.scene.time, scene.model.resonator.modes[k], scene.model.tick);
+  }
   out.contact_steps = s.carried.sums.contact_steps;
   out.most_nodes = s.carried.sums.most_nodes;
   out.evaluated = s.carried.sums.evaluated;

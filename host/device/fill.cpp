@@ -150,6 +150,8 @@ void Filler::numbers() {
     tables_.faces.tiles.row = n_.padded_tiles();
     tables_.faces.tiles.bands = n_.bands();
     tables_.faces.tiles.strip = n_.strip();
+    tables_.faces.tiles.column_row = n_.column_row();
+    tables_.faces.tiles.column_strip = n_.column_strip();
   }
   tables_.faces.smooth = n_.smooth;
   tables_.patches.count = n_.patches;
@@ -184,6 +186,8 @@ void Filler::scheme() {
   std::copy_n(scheme.place, scheme.stages, tables_.scheme.place);
   for (int i = 1; i < tables_.scheme.stages; ++i) tables_.scheme.stage_row[i] = first_stage_row(i);
   tables_.scheme.velocity_lag = scheme.velocity_lag;
+  // lanes without a mode, too: ModesStep::lag divides by it
+  std::fill_n(host_(tables_.scheme.end) + end_now_mean * n_.lanes, n_.lanes, 1.0);
   tables_.scheme.loss_ends = is_semi_implicit(scene_.time.scheme) ? 0.0 : 0.5;
   tables_.bounds.valid_steps = count_valid_steps(model_);
 }
@@ -259,6 +263,10 @@ void Filler::step_of(const ModeOnLane& mode) {
   ends[end_v_u * lanes] = step.v_u;
   ends[end_v_v * lanes] = step.v_v;
   ends[end_v_load * lanes] = step.held_v() * mode.load;
+  ends[end_now_mean * lanes] = step.now_mean;
+  ends[end_now_change * lanes] = step.now_change;
+  ends[end_now_u * lanes] = step.now_u;
+  host_(tables_.modes.damping)[lane] *= step.mean_square;
   for (int j = 0; j < tables_.scheme.stages; ++j) {
     ends[(end_forces + 2 * j) * lanes] = step.u_f[j];
     ends[(end_forces + 2 * j + 1) * lanes] = step.v_f[j];
@@ -421,30 +429,52 @@ void Filler::tiles() {
   const double* const h2 = host_(tables_.faces.height2);
   double* const highest1 = host_(t.highest1);
   double* const highest2 = host_(t.highest2);
-  // what CandidateGroups::sag_on_path may add
-  const double raised = 2.0 * tables_.faces.largest_cell_sag;
+  const double *const sag1 = n_.smooth ? host_(tables_.faces.sag1) : nullptr,
+                      *const sag2 = n_.smooth ? host_(tables_.faces.sag2) : nullptr;
+  double* const column1 = host_(t.column1);
+  double* const column2 = host_(t.column2);
   std::fill_n(highest1, static_cast<std::size_t>(t.bands) * t.row, -1e30);
-  std::vector<double> group(n_.row_heights / n_.width + 1);
+  std::fill_n(column1, static_cast<std::size_t>(t.bands) * t.column_row, -1e30);
+  const std::size_t groups = n_.row_heights / n_.width + 1;
+  std::vector<double> group(groups), sag(groups);
   for (int band = 0; band < t.bands; ++band) {
     const int first = band * tile_rows, last = std::min(first + tile_rows, n_.rows);
     double* const own = highest1 + static_cast<std::size_t>(band) * t.row;
-    std::fill(group.begin(), group.end(), -1e30);  // the highest of the resonator's
+    double* const own_column = column1 + static_cast<std::size_t>(band) * t.column_row;
+    // of each group of the resonator: the highest node, and the most that cells may add
+    std::fill(group.begin(), group.end(), -1e30);
+    std::fill(sag.begin(), sag.end(), 0.0);
     for (int row = first; row < last; ++row) {
       const double* const row1 = h1 + row * n_.padded_row();
       const double* const row2 = h2 + static_cast<std::size_t>(row) * n_.row_heights;
-      for (int i = 0; i < n_.row_nodes; ++i)
-        own[i / tile] = std::max(own[i / tile], row1[i] + raised);
+      for (int i = 0; i < n_.row_nodes; ++i) {
+        const double most =
+            row1[i] + (sag1 == nullptr ? 0.0 : std::max(0.0, sag1[row * n_.padded_row() + i]));
+        own[i / tile] = std::max(own[i / tile], most);
+        own_column[i / n_.width] = std::max(own_column[i / n_.width], most);
+      }
       for (int i = 0; i < n_.row_heights; ++i)
         group[i / n_.width] = std::max(group[i / n_.width], row2[i]);
+      for (int i = 0; sag2 != nullptr && i < n_.row_heights; ++i)
+        sag[i / n_.width] =
+            std::max(sag[i / n_.width], sag2[static_cast<std::size_t>(row) * n_.row_heights + i]);
     }
-    // all that a tile meets whose first node stands in group g, until it has gone a group further
-    double* const strips = highest2 + static_cast<std::size_t>(band) * t.groups * t.strip;
-    for (int g = 0; g < t.groups * t.strip; ++g) {
-      double most = -1e30;
-      for (int j = g; j < g + t.groups + 2 && j < static_cast<int>(group.size()); ++j)
+    // all that so many groups meet whose first node stands in group g, until they have gone a group
+    // further, with what CandidateGroups::sag_on_path may add
+    const auto highest_on_path = [&](int g, int count) {
+      double most = -1e30, most_sag = 0;
+      for (int j = g; j < g + count + 2 && j < static_cast<int>(groups); ++j) {
         most = std::max(most, group[j]);
-      strips[static_cast<std::size_t>(g % t.groups) * t.strip + g / t.groups] = most;
-    }
+        most_sag = std::max(most_sag, sag[j]);
+      }
+      return most + 2 * most_sag;
+    };
+    double* const strips = highest2 + static_cast<std::size_t>(band) * t.groups * t.strip;
+    for (int g = 0; g < t.groups * t.strip; ++g)
+      strips[static_cast<std::size_t>(g % t.groups) * t.strip + g / t.groups] =
+          highest_on_path(g, t.groups);
+    for (int g = 0; g < t.column_strip; ++g)
+      column2[static_cast<std::size_t>(band) * t.column_strip + g] = highest_on_path(g, 1);
     double* const lanes = host_(t.across) + static_cast<std::size_t>(band) * n_.lanes;
     const double middle = 0.5 * (model_.eta(first) + model_.eta(last - 1));
     int lane = 0;
@@ -513,8 +543,7 @@ void Filler::smooth_faces(const double* h2) {
     fill_raised(h2, curvature2, n_.heights, raised.data());
     fill_highest(raised.data(), n_.heights, n_.width, host_(faces.highest2));
   }
-  faces.largest_cell_sag = 0.125 * (faces.largest_face_curvature + largest1);
-  faces.highest_overlap += faces.largest_cell_sag;
+  faces.highest_overlap += 0.125 * (faces.largest_face_curvature + largest1);
 }
 
 void Filler::adaptive() {

@@ -68,7 +68,8 @@ BodyPlan plan_body(const Body& body, const BodySpec& spec, int nodes, const Scen
 
 /// The error of the step in a body's highest mode.
 std::string error_text(const Scene& scene, const StepError& error, double zeta) {
-  if (scene.time.scheme == SchemeKind::exact) return "the step is exact for free modes";
+  if (scene.time.scheme == SchemeKind::exact || scene.time.scheme == SchemeKind::gautschi)
+    return "the step is exact for free modes";
   if (is_adaptive(scene)) return "free modes move in closed form";
   const auto shift = [](double value) {
     return std::abs(value) < 1e-9 ? "under 1e-9" : fmt::format("{:+.1e}", value);

@@ -10,6 +10,7 @@
 
 #include "host/base/decompositions.hpp"
 #include "host/scene/schemes.hpp"
+#include "kernels/schemes/gautschi.hpp"
 
 namespace ra2d {
 namespace {
@@ -266,7 +267,9 @@ StepError step_error(SchemeKind scheme, double zeta, double x) {
 }
 
 double mode_limit(SchemeKind scheme, double zeta) {
-  if (scheme == SchemeKind::backward_euler || scheme == SchemeKind::exact) return infinity;
+  if (scheme == SchemeKind::backward_euler || scheme == SchemeKind::exact ||
+      scheme == SchemeKind::gautschi)
+    return infinity;
   if (scheme == SchemeKind::midpoint) return 2.0;
   const SchemeTable& table = scheme_table(scheme);
   if (zeta <= 1) return polynomial_limit(table, zeta);
@@ -313,6 +316,20 @@ double contact_limit(const TimeSettings& choice, const JoinedModes& joined, doub
                }) < 1;
       };
       return bisect(0.0, 2 / fastest, holds);
+    }
+    case SchemeKind::gautschi: {
+      double fastest = omega_c * M_PI / 2;
+      for (const Mode& mode : joined.modes) fastest = std::max(fastest, mode.omega);
+      const auto holds = [&](double tau) {
+        double sum = 0;
+        for (std::size_t j = 0; j < joined.modes.size(); ++j) {
+          const ModeStep step = Gautschi::prepare(joined.modes[j], tau);
+          sum += stiffness * joined.square[j] * tau * step.v_f[0] /
+                 (2 * (1 + step.v_v) + tau * step.v_u);
+        }
+        return sum < 1;
+      };
+      return bisect(0.0, M_PI / fastest, holds);
     }
     case SchemeKind::exact:
       return held_force_limit(joined, stiffness);
@@ -405,6 +422,7 @@ StepLimits step_limits(const Model& model, const TimeSettings& choice, const Joi
   for (const Body* body : {&model.resonator, &model.slider})
     for (const Mode& mode : body->modes) {
       if (mode.zeta != zeta) x = mode_limit(choice.scheme, zeta = mode.zeta);
+      if (choice.scheme == SchemeKind::gautschi) x = M_PI;  // beyond, samples have no velocity
       if (mode.omega == 0 || std::isinf(x)) continue;
       const double frequency = mode.omega / (2 * M_PI);
       if (x / mode.omega < limits.modes ||

@@ -54,6 +54,7 @@ inline const Choices<SchemeKind> schemes{{{"explicit-euler", SchemeKind::explici
                                           {"rk4", SchemeKind::rk4},
                                           {"rk8", SchemeKind::rk8},
                                           {"exact", SchemeKind::exact},
+                                          {"gautschi", SchemeKind::gautschi},
                                           {"adaptive", SchemeKind::adaptive}}};
 inline const Choices<ForceTime> force_times{
     {{"old", ForceTime::old_time}, {"new", ForceTime::new_time}}};

@@ -24,7 +24,17 @@ enum class SurfaceKind { flat, peaks, file, gaussian };
 enum class Faces { linear, smooth };
 enum class Initial { rest, statics };  // "rest", "static"
 enum class ContactLaw { penalty, multiplier };
-enum class SchemeKind { explicit_euler, midpoint, backward_euler, heun, rk4, rk8, exact, adaptive };
+enum class SchemeKind {
+  explicit_euler,
+  midpoint,
+  backward_euler,
+  heun,
+  rk4,
+  rk8,
+  exact,
+  gautschi,
+  adaptive
+};
 /// When backward Euler takes the penalty force.
 enum class ForceTime { old_time, new_time };
 

@@ -8,6 +8,7 @@
 #include "kernels/schemes/backward_euler.hpp"
 #include "kernels/schemes/exact.hpp"
 #include "kernels/schemes/explicit_euler.hpp"
+#include "kernels/schemes/gautschi.hpp"
 #include "kernels/schemes/heun.hpp"
 #include "kernels/schemes/midpoint.hpp"
 #include "kernels/schemes/rk4.hpp"
@@ -63,6 +64,8 @@ const SchemeTable& scheme_table(SchemeKind scheme) {
       return table_of<Rk8>();
     case SchemeKind::exact:
       return table_of<Exact>();
+    case SchemeKind::gautschi:
+      return table_of<Gautschi>();
     case SchemeKind::backward_euler:
       return table_of<BackwardEuler>();
     case SchemeKind::adaptive:
@@ -71,8 +74,14 @@ const SchemeTable& scheme_table(SchemeKind scheme) {
   throw std::logic_error("adaptive has no table of weights");
 }
 
+double mean_square(const TimeSettings& time, const Mode& mode, double tau) {
+  return is_semi_implicit(time.scheme) ? scheme_table(time.scheme).prepare(mode, tau).mean_square
+                                       : 1.0;
+}
+
 bool is_semi_implicit(SchemeKind scheme) {
-  return scheme == SchemeKind::backward_euler || scheme == SchemeKind::midpoint;
+  return scheme == SchemeKind::backward_euler || scheme == SchemeKind::midpoint ||
+         scheme == SchemeKind::gautschi;
 }
 
 bool takes_multipliers(SchemeKind scheme) {

@@ -28,6 +28,9 @@ bool is_adaptive(const Scene& scene);
 /// Of a scheme of fixed steps.
 const SchemeTable& scheme_table(SchemeKind scheme);
 
+/// Mean square of a free mode's velocity, over that of the scheme's V at its steps.
+double mean_square(const TimeSettings& time, const Mode& mode, double tau);
+
 /// Whether U1 = U0 + tau V1: with the force of the old time the shortest form of a step.
 bool is_semi_implicit(SchemeKind scheme);
 

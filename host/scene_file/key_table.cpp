@@ -462,7 +462,7 @@ const Keys<TimeSettings>& of_time() {
   using T = TimeSettings;
   static const Keys<T> keys{
       {{"scheme", choice(&T::scheme, schemes, SchemeKind::backward_euler), has_default<T>(),
-        "the paper's six, the modes in closed form under held forces, and steps of any length; "
+        "the paper's six, two with the modes in closed form, and steps of any length; "
         "see [schemes.md](schemes.md)"},
        {"contact_force",
         choice(&T::contact_force, force_times, ForceTime::old_time),

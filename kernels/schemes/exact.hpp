@@ -52,7 +52,7 @@ struct Exact {
     return step;
   }
 
- private:
+  /// p and q.
   static void answers(double x, double zeta, double& p, double& q) {
     if (x < 0.5 && zeta * x < 0.5) {  // the closed form of q loses its digits: q is about x^2/2
       double now = x, before = 0.0;   // terms of p's series, p_n = -(2 zeta x p_(n-1) + x^2

@@ -180,7 +180,7 @@ TEST(Accuracy, OfSixShocks) {
   EXPECT_EQ(chart.instants[1].kind, "state-end");
   EXPECT_THAT(chart.instants[1].text, HasSubstr("6 shocks, the end"));
   EXPECT_EQ(chart.instants[1].time, peaks.duration);
-  EXPECT_EQ(chart.points.size(), 15u * 2);
+  EXPECT_EQ(chart.points.size(), 17u * 2);
   const auto at = [&](SchemeKind scheme, ContactLaw law, double step) -> const Measured& {
     const Method setting = sized({{scheme}, law}, step);
     return *std::find_if(chart.points.begin(), chart.points.end(),

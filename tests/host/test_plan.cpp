@@ -56,11 +56,11 @@ std::string line_of(const std::string& text, const std::string& name) {
 TEST(Plan, NamesEverySchemeAndMarksTheScenes) {
   Scene s = pressed_plate();
   const std::vector<std::string> names{
-      "explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8", "exact"};
+      "explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8", "exact", "gautschi"};
   const std::vector<SchemeKind> kinds{
       SchemeKind::explicit_euler, SchemeKind::midpoint, SchemeKind::backward_euler,
       SchemeKind::heun,           SchemeKind::rk4,      SchemeKind::rk8,
-      SchemeKind::exact};
+      SchemeKind::exact,          SchemeKind::gautschi};
   for (std::size_t own = 0; own < kinds.size(); ++own) {
     s.time.scheme = kinds[own];
     const std::string text = text_of(s);

@@ -288,9 +288,8 @@ const Change static_start{"start", "initial = \"static\"\nstart"};
 const Change free_resonator{"\"pinned\"", "\"free\""};
 
 const std::string all_schemes =
-    "\"explicit-euler\", \"midpoint\", \"backward-euler\", \"heun\", \"rk4\", \"rk8\", \"exact\" "
-    "or "
-    "\"adaptive\"";
+    "\"explicit-euler\", \"midpoint\", \"backward-euler\", \"heun\", \"rk4\", \"rk8\", "
+    "\"exact\", \"gautschi\" or \"adaptive\"";
 const Change adaptive{"step = 1e-6", "scheme = \"adaptive\""};
 const Change multiplier{"stiffness = 1e15", "law = \"multiplier\""};
 
@@ -736,6 +735,7 @@ TEST(Scene, SchemesAndLawsAreChosenByName) {
       {"rk4", SchemeKind::rk4},
       {"rk8", SchemeKind::rk8},
       {"exact", SchemeKind::exact},
+      {"gautschi", SchemeKind::gautschi},
       {"adaptive", SchemeKind::adaptive}};
   for (const auto& [name, scheme] : names) {
     const Scene s = parse(minimal, {"time.scheme=" + name});

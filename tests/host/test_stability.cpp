@@ -18,7 +18,7 @@ namespace {
 const std::vector<SchemeKind> all_schemes{
     SchemeKind::explicit_euler, SchemeKind::midpoint, SchemeKind::backward_euler,
     SchemeKind::heun,           SchemeKind::rk4,      SchemeKind::rk8,
-    SchemeKind::exact};
+    SchemeKind::exact,          SchemeKind::gautschi};
 const std::vector<double> dampings{0.0, 1e-3, 0.02, 0.2, 0.5, 0.7, 0.99, 1.0, 2.5};
 
 TEST(Amplification, IsWhatTheSchemesSay) {
@@ -31,6 +31,7 @@ TEST(Amplification, IsWhatTheSchemesSay) {
       near(SchemeKind::explicit_euler, 1 - 2 * zeta * x + x * x);
       near(SchemeKind::backward_euler, 1 / (1 + 2 * zeta * x + x * x));
       near(SchemeKind::exact, std::exp(-2 * zeta * x));
+      near(SchemeKind::gautschi, std::exp(-2 * zeta * x));
       near(SchemeKind::midpoint, (1 - zeta * x) / (1 + zeta * x));
       near(SchemeKind::heun,
            1 - 2 * zeta * x + 2 * zeta * zeta * x * x - zeta * x * x * x + std::pow(x, 4) / 4);
@@ -71,6 +72,7 @@ TEST(ModeLimit, AgreesWithTheClosedForms) {
   EXPECT_EQ(mode_limit(SchemeKind::midpoint, 0.3), 2);
   EXPECT_EQ(mode_limit(SchemeKind::backward_euler, 0), infinity);
   EXPECT_EQ(mode_limit(SchemeKind::exact, 0), infinity);
+  EXPECT_EQ(mode_limit(SchemeKind::gautschi, 0), infinity);
 }
 
 TEST(ModeLimit, OfRungeKuttaIsWhatTheirCommentsSay) {
@@ -120,10 +122,12 @@ TEST(StepError, IsTheNumericalDampingAndTheShiftOfThePeriod) {
   EXPECT_NEAR(damping(SchemeKind::rk4, 0), std::pow(x, 5) / 144, eps / x);
   EXPECT_NEAR(damping(SchemeKind::midpoint, 0), 0, eps / x);
   for (const double zeta : {0.0, 0.02, 0.5})
-    EXPECT_NEAR(damping(SchemeKind::exact, zeta), 0, 4 * eps / x);
+    for (const SchemeKind scheme : {SchemeKind::exact, SchemeKind::gautschi})
+      EXPECT_NEAR(damping(scheme, zeta), 0, 4 * eps / x);
   EXPECT_NEAR(period(SchemeKind::midpoint), -x * x / 24, x * x * x * x);
   EXPECT_NEAR(period(SchemeKind::backward_euler), x * x / 3, x * x * x * x);
-  EXPECT_NEAR(period(SchemeKind::exact), 0, 4 * eps / x);
+  for (const SchemeKind scheme : {SchemeKind::exact, SchemeKind::gautschi})
+    EXPECT_NEAR(period(scheme), 0, 4 * eps / x);
 }
 
 /// Modes as of two beams that touch, their frequencies over three decades.
@@ -187,6 +191,13 @@ TEST(ContactLimit, HoldsOnBothSides) {
             ASSERT_LE(limit, M_PI / fastest * (1 + 1e-12));
             if (limit > 0.999 * M_PI / fastest) continue;
           }
+          if (choice.scheme ==
+              SchemeKind::gautschi) {  // the same of what is faster than every mode
+            double fastest = 0;
+            for (const Mode& mode : joined.modes) fastest = std::max(fastest, mode.omega);
+            ASSERT_LE(limit, M_PI / fastest * (1 + 1e-12));
+            if (limit > 0.999 * M_PI / fastest) continue;
+          }
           EXPECT_GT(factor(beyond * limit), 1 + roundings);
         }
       }
@@ -212,6 +223,7 @@ TEST(ContactLimit, OfOneFreeMassIsTheSchemesOwn) {
   };
   EXPECT_NEAR(limit(SchemeKind::backward_euler), 2, 16 * eps);
   EXPECT_NEAR(limit(SchemeKind::midpoint), 2, 16 * eps);
+  EXPECT_NEAR(limit(SchemeKind::gautschi), 2, 16 * eps);
   EXPECT_NEAR(limit(SchemeKind::rk4), 2 * std::sqrt(2.0), 16 * eps);
   EXPECT_NEAR(limit(SchemeKind::rk8), mode_limit(SchemeKind::rk8, 0), 16 * eps);
   for (const SchemeKind grows : {SchemeKind::explicit_euler, SchemeKind::heun, SchemeKind::exact})

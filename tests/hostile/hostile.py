@@ -399,7 +399,7 @@ def random_overrides(dice):
         low, high = NUMBERS[key]
         given.append(f"{key}={log_uniform(dice, low, high):.6g}")
     scheme = dice.choice(["explicit-euler", "midpoint", "backward-euler", "heun", "rk4", "rk8",
-                          "exact", "adaptive"])
+                          "exact", "gautschi", "adaptive"])
     given.append(f"time.scheme={scheme}")
     if dice.random() < 0.3:
         given.append("contact.law=multiplier")
@@ -621,7 +621,7 @@ def try_signal(program, case, dice):
 
 SCHEMES = [(scheme, law, force) for scheme in ("explicit-euler", "midpoint", "backward-euler",
                                                "heun", "rk4", "rk8",
-                                               "exact", "adaptive")
+                                               "exact", "gautschi", "adaptive")
            for law in ("penalty", "multiplier") for force in ("old", "new")
            if (force == "old" or (scheme, law) == ("backward-euler", "penalty"))
            and (law == "penalty" or scheme not in ("explicit-euler", "adaptive"))]

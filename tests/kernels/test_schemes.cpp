@@ -13,6 +13,7 @@
 #include "kernels/schemes/backward_euler.hpp"
 #include "kernels/schemes/exact.hpp"
 #include "kernels/schemes/explicit_euler.hpp"
+#include "kernels/schemes/gautschi.hpp"
 #include "kernels/schemes/heun.hpp"
 #include "kernels/schemes/midpoint.hpp"
 #include "kernels/schemes/rk4.hpp"
@@ -274,6 +275,82 @@ TEST(ExactScheme, IsTheMatrixExponential) {
       EXPECT_NEAR(w.v_v, static_cast<double>(1 + e(1, 1)), 4 * eps * (2 + angle)) << "v_v";
       expect_near(w.v_f[0] * mass * omega, e(1, 2), "v_f");
     }
+}
+
+/// Displacement and velocity a step of a free mode later (`x`) or earlier (-x), of (U, V/omega).
+struct Free {
+  long double u, v;
+};
+Free free_motion(double zeta, long double x, const Free& y) {
+  const Matrix e = increments(zeta, x);
+  return {y.u + e(0, 0) * y.u + e(0, 1) * y.v, y.v + e(1, 0) * y.u + e(1, 1) * y.v};
+}
+
+TEST(GautschiScheme, FreeModesAreExact) {
+  RandomModes draw;
+  constexpr double tau = 0.25, mass = 3;
+  for (const double zeta : {0.0, 1e-3, 0.02, 0.3, 0.9, 1.0, 1.5})
+    for (double x = 1e-5; x < 3; x *= 1.2589254117941673) {
+      SCOPED_TRACE(testing::Message() << "zeta " << zeta << ", x " << x);
+      const double omega = x / tau;
+      const ModeStep w = Gautschi::prepare({omega, zeta, mass}, tau);
+      const Free now{draw.uniform(-1, 1), draw.uniform(-1, 1)};
+      const long double angle = static_cast<long double>(omega) * tau;
+      const Free before = free_motion(zeta, -angle, now), next = free_motion(zeta, angle, now);
+      // about a rest position that a force of 1 holds, too
+      const long double rest = 1 / (mass * static_cast<long double>(omega) * omega);
+      const long double v0 = (now.u - before.u) / tau;
+      const long double pulled = w.v_u * (now.u + rest) + w.v_f[0], v1 = w.v_v * v0 + pulled;
+      const long double u1 = now.u + tau * v1;
+      // each weight has up to four roundings, and those of the angle and of exp
+      const auto near = [&](long double found, long double exact, long double size) {
+        EXPECT_LE(std::abs(found - exact), 16 * eps * size);
+      };
+      const long double pushed = tau * (std::abs(w.v_u) * (std::abs(now.u) + 2 * rest));
+      near(u1, next.u, std::abs(now.u) + tau * std::abs(w.v_v * v0) + pushed);
+      EXPECT_EQ(w.u_f[0], tau * w.v_f[0]);
+
+      // its closed form: roundings of p, which is small near half a period
+      const long double mean = w.now_mean * (0.5L * (v0 + v1)), change = w.now_change * (v1 - v0),
+                        own = w.now_u * now.u;
+      const double of_p = 1 + x / std::max(0.1, std::abs(std::sin(x)));
+      near(mean + change + own, omega * now.v,
+           of_p * (std::abs(w.now_mean) * (std::abs(v0) + std::abs(v1)) +
+                   std::abs(w.now_change * (std::abs(v0) + std::abs(v1))) +
+                   omega * (1 + zeta) * std::abs(now.u) + 2 * std::abs(w.now_mean) * pushed / tau));
+    }
+}
+
+TEST(GautschiScheme, SquaresCountAsMuchAsThoseOfTheVelocity) {
+  // of an undamped mode at 64 phases of its period
+  constexpr double tau = 0.25;
+  for (const double x : {1e-3, 0.1, 1.0, 2.5}) {
+    const double omega = x / tau;
+    double squares = 0;
+    for (int i = 0; i < 64; ++i) {
+      const double phase = i * M_PI / 32;
+      squares += std::pow((std::cos(phase + x) - std::cos(phase)) / tau, 2) / 64;
+    }
+    EXPECT_NEAR(Gautschi::prepare({omega, 0, 1}, tau).mean_square * squares, 0.5 * omega * omega,
+                0.5 * omega * omega * (16 * eps + 4 * eps / x));
+    EXPECT_EQ(Midpoint::prepare({omega, 0, 1}, tau).mean_square, 1);
+  }
+}
+
+TEST(GautschiScheme, ARigidModeIsTheLimitOfASoftOne) {
+  const ModeStep w = Gautschi::prepare({0, 0.3, 4}, 0.125);
+  EXPECT_EQ(w.v_u, 0);
+  EXPECT_EQ(w.v_v, 1);
+  EXPECT_EQ(w.v_f[0], 1.0 / 32);  // tau/m
+  EXPECT_EQ(w.now_mean, 1);
+  EXPECT_EQ(w.now_change, 0);
+  EXPECT_EQ(w.now_u, 0);
+  EXPECT_EQ(w.mean_square, 1);
+  const ModeStep soft = Gautschi::prepare({1e-14, 0.3, 4}, 0.125);
+  EXPECT_NEAR(soft.v_f[0] / w.v_f[0], 1, 16 * eps);
+  EXPECT_NEAR(soft.now_mean, 1, 16 * eps);
+  EXPECT_NEAR(soft.now_change, 0, 1e-12);
+  EXPECT_NEAR(soft.mean_square, 1, 1e-12);
 }
 
 TEST(ExactScheme, ARigidModeIsTheLimitOfASoftOne) {

@@ -19,13 +19,14 @@ namespace {
 /// The lists of a scene, and where the slider stands.
 struct Searched : Filled {
   SceneState s;
-  std::vector<int> groups, coarse_groups, tiles;
+  std::vector<int> groups, coarse_groups, tiles, columns;
   std::vector<double> reference, coarse_reference, coarse_highest, coarse_displacement,
       displacement, amplitudes, footprint;
 
   Searched(const Model& model, int all_packs) : Filled(model, all_packs * width) {
     for (std::vector<int>* list : {&groups, &coarse_groups}) list->assign(n.groups, 0);
     tiles.assign(n.padded_tiles(), 0);
+    columns.assign(n.row_groups, 0);
     for (std::vector<double>* row : {&reference, &coarse_reference}) row->assign(n.lanes, 0.0);
     for (std::vector<double>* row : {&coarse_highest, &coarse_displacement})
       row->assign(n.groups + n.width, 0.0);
@@ -34,7 +35,8 @@ struct Searched : Filled {
     footprint.assign(n.footprint_terms, 0.0);
     CandidateLists& lists = s.work.candidates;
     lists.groups = groups.data(), lists.coarse_groups = coarse_groups.data();
-    lists.tiles = tiles.data(), lists.tile_displacement = displacement.data();
+    lists.tiles = tiles.data(), lists.columns = columns.data();
+    lists.tile_displacement = displacement.data();
     lists.reference_u = reference.data(), lists.coarse_reference_u = coarse_reference.data();
     lists.coarse_highest = coarse_highest.data();
     lists.coarse_displacement = coarse_displacement.data();

@@ -209,7 +209,7 @@ TEST(SmoothMapsInTiles, CandidatesChangeNoBit) {
     // longer windows at 1e-5 make fewer steps: all nodes are evaluated less often, others not
     EXPECT_LT((tolerance < 1e-6 ? 3 : 2) * some.end.evaluated, all.end.evaluated);
   }
-  for (const int i : {2, 7}) {
+  for (const int i : {2, 8}) {
     const Scheme scheme = schemes_and_implicit()[i];
     const Recording all = simulate(areal_march(s, scheme, 2e-8, 4'000, 10)),
                     some = simulate(areal_march(s, scheme, 2e-8, 4'000, 10, Nodes::candidates));

@@ -14,7 +14,7 @@ from .style import CHART_RC, Picture, literal
 
 MARKS = {"explicit-euler": "v", "midpoint": "o", "backward-euler": "s", "heun": "^",
          "rk4": "D", "rk8": "P",
-         "exact": "X", "adaptive": "*"}
+         "exact": "X", "gautschi": "h", "adaptive": "*"}
 REFERENCE_MARGIN = 2  # errors below so many times the reference's own cannot be measured
 PEERS = {"cvode-adams": ("CVODE Adams", "#e377c2", "<"), "cvode-bdf": ("CVODE BDF", "#bcbd22", ">"),
          "dopri5": ("DOPRI5", "#444444", "x")}

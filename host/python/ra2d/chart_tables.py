@@ -15,6 +15,7 @@ NAMES = {
     ("rk4", "old"): ("RK4", "#9467bd"),
     ("rk8", "old"): ("RK8", "#8c564b"),
     ("exact", "old"): ("exact, force held", "#7f7f7f"),
+    ("gautschi", "old"): ("Gautschi", "#e7298a"),
     ("adaptive", "continuous"): ("adaptive", "black"),
 }
 
