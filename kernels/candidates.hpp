@@ -38,10 +38,16 @@
 /// being 1/m_k times the step's own factor, and j (jerk_per_newton) the same sum with p_k n_k. N is
 /// the last step at which this is still within rho. Forces that are found with the end of the step
 /// (Form::implicit) have no such bound, and with many modes it ends a list long before the forces
-/// do: there the march sums the forces of the steps so far (counts_forces). Where the list would
+/// do: there the march sums the forces of the steps so far. Where the list would
 /// not have covered a step, the march repeats it and searches for the nodes in contact.
 ///
 /// Search: where neither is safe, the march searches for the nodes in contact at every state.
+///
+/// Kept lists: with many modes these bounds are wide and a forecast costs as much as many steps,
+/// and squares of nodes make listed nodes cheap (CandidateLists::kept). There nothing is forecast.
+/// A list holds on a way that was chosen, while the modes stay within its margin of their line, and
+/// the march asks for that at every state: how far they are off it now is bounded by the
+/// polynomials of the footprint (Footprint::most). The margin is what they have needed of late.
 ///
 /// All of them evaluate only groups of nodes that can come into contact
 /// (kernels/candidate_groups.hpp).
@@ -76,15 +82,9 @@ KOKKOS_INLINE_FUNCTION double displacement_rounding(const Lanes& lanes, const Mo
   return rounding(0) * lanes.sum(part);
 }
 
-/// With many modes a forecast costs as much as many steps, and squares of nodes
-/// (CandidateLists::kept) make listed nodes cheap. Then the march keeps a list for as long as it
-/// covers the steps, whatever is to be written meanwhile, and counts what the forces have done.
+/// Whether lists can be kept.
 template <class Lanes, int packs>
-inline constexpr bool keeps_lists = packs* Lanes::width > 64;
-template <class Lanes, int packs>
-KOKKOS_FORCEINLINE_FUNCTION constexpr bool counts_forces(Form form) {
-  return form == Form::implicit || keeps_lists<Lanes, packs>;
-}
+inline constexpr bool keeps_lists = packs* Lanes::width > 64 && Lanes::width <= square_nodes;
 
 /// Where contact can begin in the next steps: nowhere (flight), at listed nodes alone (listed), or
 /// anywhere (search: for contact at every state anew).
@@ -124,8 +124,8 @@ class Candidates {
         bounds_{bounds},
         amplitudes_{amplitudes},
         listed_nodes_{listed_nodes},
+        lists_{lists},
         most_listed_{lists.most_listed},
-        keeps_{lists.kept},
         evaluated_{evaluated},
         groups_{lanes, motion, faces, slider, patches, bounds, lists, amplitudes, evaluated} {}
 
@@ -141,7 +141,6 @@ class Candidates {
     }
     // no further than is of use: bounds of more steps are wider
     std::int64_t horizon = next - step;
-    if (keeps() && horizon < aimed_steps_) horizon = aimed_steps_;
     if (horizon < longest) longest = static_cast<int>(horizon);
     const double tau = motion_.time_step;
     const Bounds b = bounds(place, u, v, longest);
@@ -193,7 +192,6 @@ class Candidates {
       if (count == 0 && steps < listed_steps)
         steps = listed_steps;  // no node to list: the same as a flight
       if (steps < 1 && evaluates_later_states()) return {ContactForecast::search, 1, 0};
-      if (keeps() && next - step < steps) steps = static_cast<int>(next - step);
       return {ContactForecast::flight, steps < 1 ? 1 : steps, 0};
     }
     if (scheme_.form == Form::implicit && count > most_listed_nodes) {
@@ -202,16 +200,83 @@ class Candidates {
     }
     const ContactForecast forecast =
         forecast_of_list(b, listed_steps, short_of_window, count, margin, pressed);
-    if (!keeps())
-      aim_at(2 * forecast.steps);
-    else if (2 * count > 3 * closed_ + 16)  // the longer a list, the more of its nodes stay open
-      aim_at(3 * listed_steps / 4);
-    else if (listed_steps >= aimed_steps_)
-      aim_at(5 * listed_steps / 4 + 1);
+    aim_at(2 * forecast.steps);
     return forecast;
   }
-  /// Takes note that the latest list ended early, after so many steps.
-  KOKKOS_FORCEINLINE_FUNCTION void take_end_of_list(int steps) { aim_at(steps); }
+
+  /// Where lists are kept (CandidateLists::kept): the number of nodes in `listed_nodes` if they are
+  /// all that can be in contact at the state u, else -1.
+  RA2D_FUNCTION int kept_list(const Real* u, const Place& place) {
+    const double gone = place.position - line_.position, time = line_.time_per_chi * gone;
+    if (line_.count < 0 || place.base != line_.base ||
+        !(gone >= -line_.back && gone <= line_.distance))
+      return -1;
+    Real away[packs];
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      away[p] = multiply_add(-time, load_pack(lanes_, lists_.line_v, p),
+                             u[p] - load_pack(lanes_, lists_.line_u, p));
+    const double departure = Footprint<Lanes, packs>(lanes_, bounds_).most(place, away);
+    if (const double longer = Kokkos::abs(time) + motion_.time_step; motion_.advance > 0.0)
+      acceleration_ = Kokkos::max(acceleration_, departure / (longer * longer));
+    const double error = rounding(0) * bound(bounds_.largest_shape, u);
+    return departure + error <= line_.margin ? line_.count : -1;
+  }
+  /// Lists the nodes that come into contact while the modes stay within a margin of their line, U +
+  /// t V: on so long a way that a few of them stay open, and no further than to the end of the
+  /// spacing. Returns their number; they may be more than there is room for (has_room).
+  RA2D_FUNCTION int keep_list(const Real* u, const Real* v, const Place& place) {
+    const double tau = motion_.time_step, advance = motion_.advance;
+    if (line_.count >= 0)
+      aim_at(open_ > closed_ / 2 + 8 ? 3 * aimed_steps_ / 4 : 5 * aimed_steps_ / 4 + 1);
+    const bool moves = advance > 0.0;
+    const double left = moves ? (1.0 - place.theta) / advance + 1.0 : 1e300,
+                 steps = left < aimed_steps_ ? Kokkos::ceil(left) : aimed_steps_,
+                 time = steps * tau;
+    const Bounds b = bounds(place, u, v, static_cast<int>(steps));
+    // a fifth more than of late; without a way there is no line
+    acceleration_ = Kokkos::max(acceleration_, 1e-3 * b.acceleration);
+    const double margin = 1.2 * acceleration_ * time * time + bounds_.least_margin +
+                          2.0 * b.rounding + (moves ? 0.0 : b.speed * time);
+    acceleration_ *= 0.8;
+    const double travel = b.speed * time + margin;
+    // an earlier stage of this step may stand further back
+    const double back = scheme_.stages > 1 ? Kokkos::min(place.theta, advance) : 0.0;
+    if (!groups_.holds(u, place, travel))
+      groups_.find(u, place, 2.0 * travel + bounds_.least_range, b.rounding, back);
+    line_ = {place.position, steps * advance, back, moves ? tau / advance : 0.0,
+             margin,         place.base,      0};
+    lanes_.sync();
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      lanes_.store(lists_.line_u + p * width, u[p]);
+      lanes_.store(lists_.line_v + p * width, v[p]);
+    }
+    lanes_.sync();
+    const double half_curve = 0.5 * b.curvature * tau * tau,
+                 half_path = 0.5 * (b.curvature - b.acceleration) * tau * tau;
+    const Slack slack = slack_of(b, u, v, place, half_curve);
+    const double level = -(margin + half_path * steps * steps + slack.overlap);
+    GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
+    const double steps_back = moves ? back / advance : 0.0;
+    int count = 0, closed = 0;
+    for (int e = 0; e < groups_.count(); ++e) {
+      const auto [overlap, modes, slope] = sweep.overlap_and_rates(groups_[e]);
+      const Real rate = moves ? multiply_add(tau, modes, Real(advance) * slope) : Real(0.0),
+                 slow(slack.closing);  // a step
+      const Real ahead = Real(steps) * (rate + slow), behind = Real(steps_back) * (slow - rate);
+      const Real most = overlap + Kokkos::max(Kokkos::max(ahead, behind), Real(0.0));
+      const std::uint32_t bits = lanes_.at_least(most, level);
+      if (bits == 0) continue;
+      list_nodes(groups_[e], nodes_left(faces_, groups_[e], width), bits, count);
+      closed += Kokkos::Experimental::popcount_builtin(lanes_.at_least(overlap, 0.0));
+    }
+    if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;
+    lanes_.sync();
+    line_.count = count;
+    closed_ = closed;
+    open_ = count - closed;
+    return count;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void drop_list() { line_.count = -1; }
 
   /// Whether so many nodes could be listed. In plane scenes all can.
   KOKKOS_FORCEINLINE_FUNCTION bool has_room(int count) const { return count <= most_listed_; }
@@ -226,6 +291,7 @@ class Candidates {
   /// They may be more than there is room for (has_room).
   RA2D_FUNCTION int find_contacts(const Real* u, const Real* v, const Place& place) {
     const bool all = bounds_.searched == Nodes::all;
+    line_.count = -1;
     if (!all && !groups_.holds(u, place, 0.0)) find_groups(u, v, place);
     double level = -(faces_.rounding + rounding(0) * bound(bounds_.largest_shape, u) +
                      bound(bounds_.cubic_remainder, u));
@@ -261,19 +327,27 @@ class Candidates {
   const MotionLimits& bounds_;
   double* amplitudes_;
   int* listed_nodes_;
+  const CandidateLists& lists_;
   int most_listed_;
-  bool keeps_;
   std::int64_t& evaluated_;
   CandidateGroups<Lanes, packs> groups_;
   int last_listed_ = -1;  // smooth faces: the latest cell
-  int closed_ = 0;        // nodes in contact, where lists are kept
+  // where lists are kept: the present one
+  struct {
+    // chi: where it begins, how far it goes, and how far back
+    double position = 0, distance = 0, back = 0;
+    double time_per_chi = 0;   // s
+    double margin = 0;         // m
+    int base = 0, count = -1;  // Place::base; nodes, -1: there is no list
+  } line_;
+  double acceleration_ = 0;    // half the largest off the line of late, m/s^2
+  int closed_ = 0, open_ = 0;  // nodes listed that were in contact at its beginning, and others
   // Areal scenes: steps that the next list is for. A list for more holds nodes so far from contact
   // that the bound on their forces ends it sooner. The first list of a launch is for few
   // steps: of bodies that move, one for many would hold nearly all nodes, and so would the
   // candidate groups, for long.
   int aimed_steps_ = 16;
 
-  KOKKOS_FORCEINLINE_FUNCTION bool keeps() const { return keeps_lists<Lanes, packs> && keeps_; }
   KOKKOS_FORCEINLINE_FUNCTION void aim_at(int steps) {
     constexpr int least = 4;
     aimed_steps_ = steps < least ? least : steps > most_listed_steps ? most_listed_steps : steps;
@@ -341,7 +415,6 @@ class Candidates {
     const double tau = motion_.time_step;
     GroupSweep<Lanes, packs> sweep(lanes_, faces_, slider_, patches_, place, amplitudes_, u, v);
     Real soonest(static_cast<double>(longest));
-    closed_ = 0;
     for (int e = 0; e < groups_.count(); ++e) {
       const int group = groups_[e];
       auto [overlap, modes, slope] = sweep.overlap_and_rates(group);
@@ -366,11 +439,8 @@ class Candidates {
         most = most + sag;
         overlap = overlap + sag;
       } else {
-        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0) {
+        if (const std::uint32_t bits = lanes_.at_least(most, level); bits != 0)
           list_nodes(group, nodes_left(faces_, group, width), bits, count);
-          if (keeps())
-            closed_ += Kokkos::Experimental::popcount_builtin(lanes_.at_least(overlap, 0.0));
-        }
       }
       pressed = pressed + Kokkos::max(most - Real(level), Real(0.0));
       // the root of open = i closing + i (i + 1) half_curve
@@ -394,7 +464,7 @@ class Candidates {
     const double tau = motion_.time_step;
     double acceleration = b.acceleration;  // off the line
     ContactForecast forecast{ContactForecast::listed, listed_steps, count};
-    if (scheme_.form == Form::implicit || keeps()) {
+    if (scheme_.form == Form::implicit) {
       forecast.free_departure = 0.5 * b.acceleration * tau * tau / margin;
       forecast.departure_per_newton = b.acceleration_per_newton * tau * tau / margin;
     } else {
@@ -442,10 +512,7 @@ class Candidates {
     const bool is_areal = faces_.rows.across != nullptr;
     int steps = steps_to((place.part + 1) * motion_.window_width, place,
                          is_areal ? aimed_steps_ : most_listed_steps);
-    if (longest < steps) steps = longest;
-    // a kept list may serve for the last state in the window, too
-    if (keeps() && !evaluates_later_states() && steps < aimed_steps_) ++steps;
-    return steps;
+    return longest < steps ? longest : steps;
   }
   /// The n with linear n + half_curve n^2 = travel, or a little less.
   KOKKOS_FORCEINLINE_FUNCTION static double steps_of_travel(double linear, double half_curve,
@@ -457,10 +524,8 @@ class Candidates {
   /// `longest`; less than one when they get there within this step.
   RA2D_FUNCTION int steps_to(double edge, const Place& place, int longest) const {
     if (motion_.advance == 0.0) return longest;
-    // one step less than to the crossing (where only the beginnings of many steps are evaluated, no
-    // less), and less the roundings of the position
-    const double spare = keeps() && !evaluates_later_states() ? 0.0 : 1.0;
-    const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - spare;
+    // one step less than to the crossing, and less the roundings of the position
+    const double steps = (edge - place.theta - position_rounding(place)) / motion_.advance - 1.0;
     return steps > longest ? longest : steps < 1.0 ? 0 : static_cast<int>(steps);
   }
 

@@ -222,8 +222,9 @@ struct CandidateLists {
   int* columns = nullptr;                 // of these: their groups in a row
   double* tile_displacement = nullptr;    // m, of each tile of a band: the most of its nodes
   double* footprint = nullptr;            // m, (term): the resonator's, see Footprint::expand
-  bool kept = false;                      // whether lists of nodes are (keeps_lists)
-  int most_listed = 0;                    // nodes that there is room for in WorkSpace::listed_nodes
+  bool kept = false;                      // whether lists of nodes are (Candidates::keep_list)
+  double *line_u = nullptr, *line_v = nullptr;  // if they are: the line that the modes follow
+  int most_listed = 0;  // nodes that there is room for in WorkSpace::listed_nodes
   // m, Form::adaptive in areal scenes: bound on the overlap of each group, less what is followed
   // (kernels/adaptive/group_bounds.hpp), and what the faces raise it by on this spacing, per chi
   double *highest = nullptr, *slope = nullptr;
@@ -542,6 +543,8 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const std::size_t groups = n.groups;
   visit("candidate_groups", s.candidates.groups, groups);
   visit("candidate_reference_u", s.candidates.reference_u, lanes);
+  visit("line_u", s.candidates.line_u, n.keeps_lists() ? lanes : 0);
+  visit("line_v", s.candidates.line_v, n.keeps_lists() ? lanes : 0);
   visit("coarse_groups", s.candidates.coarse_groups, groups);
   visit("coarse_highest", s.candidates.coarse_highest, groups + n.width);
   if (n.rows > 0) visit("coarse_displacement", s.candidates.coarse_displacement, groups);

@@ -239,12 +239,15 @@ struct Extents {
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
   /// Even rows, where places of clusters may be; packs of nodes in all clusters.
-  int place_rows() const { return rows / 2 + 3; }
+  /// Even rows in whose middle a place may stand: that of a square may lie beyond the last row.
+  int place_rows() const { return (rows + square_reach) / 2 + 1; }
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   int column_row() const { return row_groups + width; }
   int column_strip() const { return row_heights / width + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
+  /// CandidateLists::kept.
+  bool keeps_lists() const { return !adaptive() && cluster_degree > 0; }
   std::size_t series_orders() const { return 1 + static_cast<std::size_t>(higher_orders); }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
   std::size_t shape_rows() const { return smooth ? 7 : 4; }
@@ -445,6 +448,7 @@ struct SeriesTables {
 /// Clusters of nodes that share their sums over the modes, in areal scenes.
 struct ClusterTables {
   int degree = 0;                     // of the polynomials; 0: there are no clusters
+  int rows = 0;                       // even ones, in `across`
   const double* across = nullptr;     // (even row, 4, lane): d^b across/deta^b / b! there
   const double* remainder = nullptr;  // adaptive: what the polynomials leave out of a shape
 };

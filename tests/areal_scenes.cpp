@@ -74,8 +74,8 @@ ArealScene many_nodes() {
   s.block_heights = rough_map(37, 150, 2e-6, 4);
   return s;
 }
-ArealScene fine_maps(int modes) {
-  constexpr int nodes = 40, rows = 24;
+ArealScene fine_maps(int modes, int rows, double last_row) {
+  constexpr int nodes = 40;
   ArealScene s = small_areal_scene(Support::free, modes);
   s.spacing = 3e-6, s.spacing_y = 2.5e-6;
   s.block.length = (nodes - 1) * s.spacing, s.block.width = rows * s.spacing_y;
@@ -85,6 +85,7 @@ ArealScene fine_maps(int modes) {
   s.stiffness = 1e16;
   s.plate_heights = rough_map(rows, 3420 + nodes, 1e-7, 5);
   s.block_heights = rough_map(rows, nodes, 1e-7, 6);
+  for (double& height : s.block_heights.back()) height += last_row;
   double highest = -1;
   const auto first = static_cast<int>(s.start / s.spacing);
   for (int j = 0; j < rows; ++j)

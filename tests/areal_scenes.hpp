@@ -22,8 +22,8 @@ ArealScene one_bump();
 ArealScene many_nodes();
 
 /// 40 x 24 nodes, 3 um apart: contacts of many nodes each, which the march gathers in clusters at
-/// tolerances of 1e-6 and 1e-8.
-ArealScene fine_maps(int modes = 40);
+/// tolerances of 1e-6 and 1e-8. Or other rows, the last of which is raised [m].
+ArealScene fine_maps(int modes = 40, int rows = 24, double last_row = 0);
 
 /// A scene with y turned round.
 ArealScene mirrored(ArealScene scene);

@@ -578,6 +578,7 @@ void Filler::adaptive() {
 void Filler::clusters() {
   if (n_.cluster_degree == 0) return;
   tables_.clusters.degree = n_.cluster_degree;
+  tables_.clusters.rows = n_.place_rows();
   double* const across = host_(tables_.clusters.across);
   int lane = 0;
   for (const Body* body : {&model_.resonator, &model_.slider}) {
@@ -653,7 +654,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
   state.work.candidates.most_listed = n.listed;
-  state.work.candidates.kept = !n.adaptive() && n.cluster_degree > 0;
+  state.work.candidates.kept = n.keeps_lists();
   state.work.runs.capacity = n.runs();
   state.work.runs.row = model.is_areal ? static_cast<int>(n.padded_row()) : 0;
   state.out.ended_shocks.capacity = n.shocks;

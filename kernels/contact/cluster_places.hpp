@@ -2,6 +2,7 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+#include "kernels/check.hpp"
 #include "kernels/displacement.hpp"
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
@@ -52,6 +53,7 @@ RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& 
   Real c[4][packs];
   expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
                              at + (place.part + 0.5) * motion.window_width, c);
+  RA2D_CHECK(row_number >= 0 && row_number / 2 < tables.rows);
   const double* const across =
       tables.across + static_cast<std::int64_t>(row_number / 2) * (4 * row);
   // the slider's shapes are straight lines, and a place may lie behind their end

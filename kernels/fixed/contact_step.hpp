@@ -19,13 +19,11 @@
 
 namespace ra2d {
 
-/// A list of nodes to evaluate at each of many steps. `counts`: what the forces do to it
-/// (counts_forces).
+/// A list of nodes to evaluate at each of many steps. `counts`: what the forces do to it, under
+/// Form::implicit.
 template <bool counts>
 class ListedNodes {
  public:
-  /// For no step.
-  ListedNodes() = default;
   KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const ContactForecast& plan)
       : count_{plan.count},
         left_{plan.steps},
@@ -40,7 +38,7 @@ class ListedNodes {
                                         double share) const {
     place.move_to(motion, step, share);
   }
-  static constexpr bool may_end = true, may_lack_room = false;
+  static constexpr bool may_end = true, may_lack_room = false, serves_samples = true;
   /// Where forces are counted, once a step, which ended with `force` [N] and had no more than
   /// `most` [N] during the search for it, or at its stages: whether the list held at every state
   /// evaluated (ContactForecast).
@@ -55,28 +53,14 @@ class ListedNodes {
     force_sum_ += (force - most);
     return covered;
   }
-  /// The force at the beginning of a step, whose end is evaluated in the next one.
-  KOKKOS_FORCEINLINE_FUNCTION void take(double force) {
-    if (covers(force, force)) return;
-    left_ = 1;
-    ended_early_ = true;
-  }
   KOKKOS_FORCEINLINE_FUNCTION void take_step() { --left_; }
-  KOKKOS_FORCEINLINE_FUNCTION void end_early() {
-    left_ = 0;
-    ended_early_ = true;
-  }
 
   /// Steps for which it may serve yet.
   KOKKOS_FORCEINLINE_FUNCTION int left() const { return left_; }
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
-  KOKKOS_FORCEINLINE_FUNCTION bool ended_early() const { return ended_early_; }
-  /// Steps that were made, where forces are counted.
-  KOKKOS_FORCEINLINE_FUNCTION int steps() const { return steps_; }
 
  private:
   int count_ = 0, left_ = 0, steps_ = 0;
-  bool ended_early_ = false;
   double free_departure_ = 0.0, departure_per_newton_ = 0.0;
   double force_sum_ = 0.0, double_force_sum_ = 0.0;  // N: of the forces, and of these sums
 };
@@ -103,14 +87,57 @@ class SearchedNodes {
                           double share) const {
     place = Place(motion, step, share);
   }
-  static constexpr bool may_end = false, may_lack_room = true;
+  static constexpr bool may_end = false, may_lack_room = true, serves_samples = false;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
-  KOKKOS_FORCEINLINE_FUNCTION void take(double) const {}
 
  private:
   const int* listed_nodes_;
   Candidates<Lanes, packs>& candidates_;
   ClusteredContact<Lanes, packs> contact_;
+};
+
+/// A list of nodes to evaluate at every state for as long as it covers that
+/// (Candidates::keep_list), then the next one.
+template <class Lanes, int packs>
+class KeptNodes {
+  using Real = typename Lanes::Real;
+
+ public:
+  KOKKOS_FORCEINLINE_FUNCTION KeptNodes(const int* listed_nodes,
+                                        Candidates<Lanes, packs>& candidates,
+                                        const ClusteredContact<Lanes, packs>& contact)
+      : listed_nodes_{listed_nodes}, candidates_{candidates}, contact_{contact} {}
+
+  /// Negative where there is no room for them all.
+  RA2D_FUNCTION int find(const Real* u, const Real* v, const Place& place) {
+    int count = candidates_.kept_list(u, place);
+    if (count < 0) {
+      count = candidates_.keep_list(u, v, place);
+      if (!candidates_.has_room(count)) [[unlikely]]
+        count = candidates_.find_contacts(u, v, place);  // those of this state alone
+      if (!candidates_.has_room(count) || !contact_.expand(place, listed_nodes_, count))
+          [[unlikely]] {
+        candidates_.drop_list();
+        return -1;
+      }
+    }
+    evaluated_ += count;
+    return count;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void move(const SliderMotion& motion, Place& place, std::int64_t step,
+                                        double share) const {
+    place = Place(motion, step, share);
+  }
+  static constexpr bool may_end = false, may_lack_room = true, serves_samples = true;
+  KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
+  /// Gaps, of all states so far.
+  KOKKOS_FORCEINLINE_FUNCTION std::int64_t evaluated() const { return evaluated_; }
+
+ private:
+  const int* listed_nodes_;
+  Candidates<Lanes, packs>& candidates_;
+  ClusteredContact<Lanes, packs> contact_;
+  std::int64_t evaluated_ = 0;
 };
 
 /// One fixed step with contact, in each of its forms: detection, force, integration.
@@ -193,10 +220,10 @@ class ContactStep {
     const int count = nodes.find(y.u, y.v, place);
     if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
       return fail(Solution::crowded);
-    const ContactTotals<Real> totals = NodesToEvaluate::may_end && recorder.has_contact(y.step)
-                                           ? recorder.contact(force)
-                                           : node_contact_(place, y.u, listed_nodes_, count, force);
-    nodes.take(totals.force);
+    const ContactTotals<Real> totals =
+        NodesToEvaluate::serves_samples && recorder.has_contact(y.step)
+            ? recorder.contact(force)
+            : node_contact_(place, y.u, listed_nodes_, count, force);
     recorder.take_contact(totals, place, y.step);
     y.deflection_work = y.deflection_work + totals.deflection_work;
     lanes_.sync();

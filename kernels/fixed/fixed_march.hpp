@@ -35,8 +35,7 @@ template <class Lanes, Form form, int packs>
 class FixedMarch {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
-  static constexpr bool kept = keeps_lists<Lanes, packs>;
-  static constexpr bool counted = counts_forces<Lanes, packs>(form);
+  static constexpr bool can_keep = keeps_lists<Lanes, packs> && form != Form::implicit;
 
  public:
   RA2D_FUNCTION FixedMarch(const Lanes& lanes, const SceneTables& tables, SceneState& state)
@@ -112,11 +111,16 @@ class FixedMarch {
     const std::int64_t stop =
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
     while (state_.carried.status == Status::running) {
-      if constexpr (kept && form != Form::implicit)
-        if (state_.work.candidates.kept && tables_.bounds.searched != Nodes::all &&
-            recorder_.samples_at(now_.step))
-          renew_list();
-      if (!recorder_.take_sample(now_, candidates_, list_.left() > 0 ? list_.count() : -1)) break;
+      int listed = -1;
+      if (keeps() && recorder_.samples_at(now_.step)) {
+        // the contact that a sample finds serves the step from there, too
+        listed = kept_nodes().find(now_.u, now_.v, Place(tables_.motion, now_.step));
+        if (listed < 0) [[unlikely]] {
+          lack_room();
+          break;
+        }
+      }
+      if (!recorder_.take_sample(now_, candidates_, listed)) break;
       if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
         recorder_.check_energy(now_);
       if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
@@ -126,6 +130,8 @@ class FixedMarch {
       recorder_.begin_stretch();
       if (tables_.bounds.searched == Nodes::all)
         march_all(next);
+      else if (keeps())
+        march_on_kept_lists(next);
       else
         march_candidates(next);
       recorder_.end_stretch();
@@ -149,7 +155,6 @@ class FixedMarch {
   FixedRecorder<Lanes, form, packs> recorder_;
   ContactStep<Lanes, form, packs> contact_step_;
   Motion<Lanes, packs> now_;
-  ListedNodes<counted> list_;  // the latest
 
   KOKKOS_FORCEINLINE_FUNCTION bool can_record_shocks() const {
     return ra2d::can_record_shocks(state_.out.ended_shocks, state_.work.runs);
@@ -208,7 +213,6 @@ class FixedMarch {
   RA2D_FUNCTION void march_with_search(int steps) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
-    list_ = {};
     SearchedNodes<Lanes, packs> nodes(state_.work.listed_nodes, candidates_, contact_);
     for (int i = 0; i < steps && can_record_shocks(); ++i) {
       Place place(tables_.motion, y.step);
@@ -219,18 +223,33 @@ class FixedMarch {
 
   // ---- only nodes that can come into contact
 
+  KOKKOS_FORCEINLINE_FUNCTION bool keeps() const {
+    return can_keep && state_.work.candidates.kept && tables_.bounds.searched != Nodes::all;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION KeptNodes<Lanes, packs> kept_nodes() {
+    return {state_.work.listed_nodes, candidates_, contact_};
+  }
+  RA2D_FUNCTION void march_on_kept_lists(std::int64_t next) {
+    const auto w = integrate_.weights();
+    Motion<Lanes, packs> y = now_;
+    KeptNodes<Lanes, packs> nodes = kept_nodes();
+    while (y.step < next && can_record_shocks()) {
+      Place place(tables_.motion, y.step);
+      if (!contact_step_(y, w, place, nodes, recorder_)) break;
+    }
+    now_ = y;
+    if (lanes_.leader()) state_.carried.sums.evaluated += nodes.evaluated();
+    lanes_.sync();
+  }
+
   RA2D_FUNCTION void march_candidates(std::int64_t next) {
     while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
-      if constexpr (kept) {
-        if (list_.left() > 0 && march_on_list(next)) continue;
-        list_ = {};  // the forecast overwrites its nodes
-      }
       const ContactForecast plan =
           candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
       if (plan.kind == ContactForecast::flight)
         fly(plan.steps);
       else if (plan.kind == ContactForecast::search ||
-               (!march_listed(plan, next) && state_.carried.status == Status::running)) {
+               (!march_listed(plan) && state_.carried.status == Status::running)) {
         const std::int64_t before = now_.step;
         march_with_search(1);
         if (now_.step == before) break;  // it failed, or was interrupted
@@ -294,53 +313,25 @@ class FixedMarch {
     }
   }
 
-  /// Lists the nodes to evaluate from here on, if there is no list: a sample has use for it, too.
-  RA2D_FUNCTION void renew_list() {
-    if (list_.left() > 0) return;
-    const ContactForecast plan = candidates_.forecast_contact(
-        now_.u, now_.v, now_.step, now_.step + 1, recorder_.usual_force());
-    if (plan.kind == ContactForecast::listed && begin_list(plan)) return;
-    list_ = {};
-  }
-  /// False where there is no room for the listed nodes.
-  RA2D_FUNCTION bool begin_list(const ContactForecast& plan) {
-    if (!candidates_.has_room(plan.count) ||
-        !contact_.expand(Place(tables_.motion, now_.step), state_.work.listed_nodes, plan.count))
-        [[unlikely]]
-      return false;
-    list_ = ListedNodes<counted>(plan);
-    return true;
-  }
   /// Steps that evaluate the listed nodes. False when the list did not cover even one, or there is
   /// no room for it.
-  RA2D_FUNCTION bool march_listed(const ContactForecast& plan, std::int64_t next) {
-    if (!begin_list(plan)) [[unlikely]] {
+  RA2D_FUNCTION bool march_listed(const ContactForecast& plan) {
+    Place place(tables_.motion, now_.step);
+    if (!candidates_.has_room(plan.count) ||
+        !contact_.expand(place, state_.work.listed_nodes, plan.count)) [[unlikely]] {
       lack_room();
       return false;
     }
-    return march_on_list(next);
-  }
-  /// On with the latest list, to step `next` at the most. False when it did not cover even one.
-  RA2D_FUNCTION bool march_on_list(std::int64_t next) {
     const auto w = integrate_.weights();
     Motion<Lanes, packs> y = now_;
-    Place place(tables_.motion, y.step);
-    ListedNodes<counted> nodes = list_;
-    while (nodes.left() > 0 && (!kept || y.step < next) && can_record_shocks()) {
+    ListedNodes<form == Form::implicit> nodes(plan);
+    while (nodes.left() > 0 && can_record_shocks()) {
       place.move_to(tables_.motion, y.step);
-      if (!contact_step_(y, w, place, nodes, recorder_)) {
-        nodes.end_early();
-        break;
-      }
+      if (!contact_step_(y, w, place, nodes, recorder_)) break;
       nodes.take_step();
     }
     const std::int64_t done = y.step - now_.step;
     now_ = y;
-    if constexpr (kept) {
-      if (nodes.ended_early() && state_.work.candidates.kept)
-        candidates_.take_end_of_list(nodes.steps());
-      list_ = nodes;
-    }
     const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // evaluated in a step
     if (lanes_.leader()) state_.carried.sums.evaluated += done * nodes.count() * states;
     lanes_.sync();

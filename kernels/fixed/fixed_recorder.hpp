@@ -36,8 +36,7 @@ class FixedRecorder {
  public:
   /// Whether the contact that a sample has found serves the step from there, too: where contact
   /// costs far more than to keep it.
-  static constexpr bool keeps_contact =
-      form == Form::semi_implicit && keeps_lists<Lanes, packs> && width < 32;
+  static constexpr bool keeps_contact = form == Form::semi_implicit && keeps_lists<Lanes, packs>;
 
   /// `listed_nodes`: the nodes that Candidates list.
   RA2D_FUNCTION FixedRecorder(const Lanes& lanes, const ModeTables& modes,
