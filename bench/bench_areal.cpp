@@ -125,6 +125,8 @@ void add_cases() {
   add_case(10e-3, 50e-6, midpoint(1e-7), "midpoint:1e-07", 0.1);
   for (const double spacing : {32e-6, 8e-6})
     add_case(20e-3, spacing, midpoint(1e-6), "midpoint:1e-06", 0.02);
+  // good to 1e-3: `ra2d chart accuracy scenes/areal.toml --set scene.spacing=8e-6 --budget 300`
+  add_case(20e-3, 8e-6, sized({{SchemeKind::gautschi}}, 4e-6), "gautschi:4e-06", 0.1);
   for (const double spacing : {64e-6, 32e-6, 16e-6, 8e-6})
     add_case(20e-3, spacing, adaptive(1e-6), "adaptive:1e-06", spacing < 1e-5 ? 0.01 : 0.05);
   for (const double side : {5e-3, 40e-3, 80e-3})
