@@ -19,14 +19,14 @@
 //   40 x 40 mm                   1.5
 //   80 x 80 mm                   4.4                      (6.25 million nodes)
 //
-// and with midpoint at 1e-6 s, 20 x 20 mm: 1.8 at 32 um, 3.0 at 8 um. The machine was quiet; other
-// runs differed by up to a quarter. What machine it is counts: a core of Zen 5 that had its cache
-// for itself took 0.51 at 10 mm and 50 um, 4.0 at 8 um, and 2.1 for midpoint at 8 um, by an older
-// version.
+// and with midpoint at 1e-6 s, 20 x 20 mm: 1.8 at 32 um, 2.7 at 8 um; there 1.2 to 1.5 with
+// gautschi at 4e-6 s. The machine was quiet; other runs differed by up to a quarter. What machine
+// it is counts: a core of Zen 5 that had its cache for itself took 0.51 at 10 mm and 50 um, 4.0 at
+// 8 um, and 2.1 for midpoint at 8 um, by an older version.
 //
 // areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //
-// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um, there 2 for midpoint.
+// Asked: 0.4 at 10 mm and 50 um, 5 at 20 mm and 8 um, there 2 for fixed steps good to 1e-3.
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 

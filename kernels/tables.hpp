@@ -75,8 +75,7 @@ enum EndRow : int {
   end_v_v,
   end_v_load,
   end_now_mean,
-  end_now_change,
-  end_now_u,
+  end_now_pushed,
   end_forces
 };
 inline constexpr int end_rows(int stages) { return end_forces + 2 * stages; }  // u_f, v_f of each

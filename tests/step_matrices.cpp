@@ -62,8 +62,9 @@ Eigen::MatrixXd synchronise(const Scheme& scheme, const Joined& j, double tau,
   const Eigen::MatrixXd change = lagged.bottomRows(n) - s.bottomRows(n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const ModeStep w = scheme.table().prepare(j.modes[k], tau);
-    s.row(n + k) = w.now_mean * (s.row(n + k) + lag * change.row(k)) + w.now_change * change.row(k);
-    s(n + k, k) += w.now_u;
+    Eigen::RowVectorXd pushed = lagged.row(n + k);
+    pushed[n + k] -= w.v_v;
+    s.row(n + k) = w.now_mean * (s.row(n + k) + lag * change.row(k)) + w.now_pushed * pushed;
   }
   return s;
 }

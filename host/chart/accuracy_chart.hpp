@@ -96,8 +96,8 @@ struct AccuracyChart {
 struct AccuracyOptions {
   double budget =
       150;  // s of wall time; a run that is not expected to fit is not begun, and listed as such
-  int repetitions = 3;                                                  // of each timing
-  int seeds = 8;                                                        // of the long runs
+  int repetitions = 3;  // of each timing
+  int seeds = 8;        // of the long runs
   std::vector<double> steps{1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9};  // s
   std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
   std::filesystem::path peers;                       // ra2d_peers; none: not confirmed

@@ -264,8 +264,7 @@ void Filler::step_of(const ModeOnLane& mode) {
   ends[end_v_v * lanes] = step.v_v;
   ends[end_v_load * lanes] = step.held_v() * mode.load;
   ends[end_now_mean * lanes] = step.now_mean;
-  ends[end_now_change * lanes] = step.now_change;
-  ends[end_now_u * lanes] = step.now_u;
+  ends[end_now_pushed * lanes] = step.now_pushed;
   host_(tables_.modes.damping)[lane] *= step.mean_square;
   for (int j = 0; j < tables_.scheme.stages; ++j) {
     ends[(end_forces + 2 * j) * lanes] = step.u_f[j];

@@ -129,22 +129,20 @@ class ModesStep {
   KOKKOS_FORCEINLINE_FUNCTION void lead(const Real* u, Real* v, const Real* force) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real pushed = multiply_add(end(end_v_u, p), u[p], end(end_forces + 1, p) * force[p]);
-      const Real next = multiply_add(end(end_v_v, p), v[p], pushed), change = next - v[p];
-      const Real mean = multiply_add(scheme_.velocity_lag, change, v[p]);
-      v[p] = multiply_add(end(end_now_mean, p), mean,
-                          multiply_add(end(end_now_change, p), change, end(end_now_u, p) * u[p]));
+      const Real next = multiply_add(end(end_v_v, p), v[p], pushed);
+      const Real mean = multiply_add(scheme_.velocity_lag, next - v[p], v[p]);
+      v[p] = multiply_add(end(end_now_pushed, p), pushed, end(end_now_mean, p) * mean);
     }
   }
   /// The inverse: from the present to the time at which the scheme has v.
   KOKKOS_FORCEINLINE_FUNCTION void lag(const Real* u, Real* v, const Real* force) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       const Real pushed = multiply_add(end(end_v_u, p), u[p], end(end_forces + 1, p) * force[p]);
-      const Real of_mean = end(end_now_mean, p), of_change = end(end_now_change, p),
-                 fall = end(end_v_v, p) - Real(1.0);
-      const Real of_push = multiply_add(scheme_.velocity_lag, of_mean, of_change),
-                 of_v = multiply_add(scheme_.velocity_lag, fall, Real(1.0));
-      v[p] = ((v[p] - of_push * pushed) - end(end_now_u, p) * u[p]) /
-             multiply_add(of_mean, of_v, of_change * fall);
+      const Real of_pushed =
+          multiply_add(scheme_.velocity_lag, end(end_now_mean, p), end(end_now_pushed, p));
+      v[p] = (v[p] - of_pushed * pushed) /
+             (end(end_now_mean, p) *
+              multiply_add(scheme_.velocity_lag, end(end_v_v, p) - Real(1.0), Real(1.0)));
     }
   }
 

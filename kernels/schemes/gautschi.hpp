@@ -20,7 +20,7 @@ namespace ra2d {
 ///
 /// Order 2 for forces that change. The velocity at U0 is, with p of `exact`,
 ///
-///   x/(2 p) (V1 + e^2 V0) + omega ((1 - e^2)/(2 p) - zeta) U0,
+///   x/(2 p) (V1 + e^2 V0) + omega ((1 - e^2)/(2 p) - zeta) (U0 - F0/(m omega^2)),
 ///
 /// also exact for free modes; samples hold it. At x = pi a step is half a period, and there is no
 /// such velocity.
@@ -48,10 +48,10 @@ struct Gautschi {
         ModeStep::semi_implicit(square, -w / tau, w / (mode.mass * omega * omega * tau), tau);
     double p, q;
     Exact::answers(x, zeta, p, q);
+    // in V0 and what the step adds to it, v_u U0 + v_f F0
     const double lost = -std::expm1(-2.0 * zeta * x) / (2.0 * p);
-    step.now_mean = 0.5 * x * (1.0 + square) / p;
-    step.now_change = 0.5 * x * lost;
-    step.now_u = omega * (lost - zeta);
+    step.now_mean = 2.0 * x * square / (p * (1.0 + square));
+    step.now_pushed = x * lost / (1.0 + square) - x * (lost - zeta) / w;
     // of a free mode, V1 has |exp(lambda tau) - 1|/tau of the amplitude of U, and its velocity
     // omega
     if (zeta < 1.0) step.mean_square = x * x * decay / w;

@@ -39,8 +39,8 @@ struct ModeStep {
   /// V1 = v_u U0 + v_v V0 + sum_j v_f[j] F_j.
   double v_u = 0, v_v = 1, v_f[most_stages] = {};
   /// Where V lags behind U: the velocity at U0 is now_mean times the mean of V0 and V1 (as
-  /// velocity_lag weighs them) + now_change (V1 - V0) + now_u U0.
-  double now_mean = 1, now_change = 0, now_u = 0;
+  /// velocity_lag weighs them) + now_pushed (v_u U0 + v_f F0).
+  double now_mean = 1, now_pushed = 0;
   /// Mean square of a free mode's velocity, over that of the scheme's V.
   double mean_square = 1;
 
