@@ -237,9 +237,9 @@ struct Extents {
   int tiles() const { return (row_groups + tile_groups() - 1) / tile_groups(); }
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
-  /// Even rows, where places of clusters may be; packs of nodes in all clusters.
-  /// Even rows in whose middle a place may stand: that of a square may lie beyond the last row.
+  /// Even rows on which a place of a cluster may stand: that of a square may lie beyond the last.
   int place_rows() const { return (rows + square_reach) / 2 + 1; }
+  /// Packs of nodes in all clusters.
   int cluster_packs() const { return contacts / width + most_clusters; }
   int strip() const { return row_heights / (width * tile_groups()) + width + 2; }
   int column_row() const { return row_groups + width; }

@@ -265,7 +265,7 @@ void Filler::step_of(const ModeOnLane& mode) {
   ends[end_v_load * lanes] = step.held_v() * mode.load;
   ends[end_now_mean * lanes] = step.now_mean;
   ends[end_now_pushed * lanes] = step.now_pushed;
-  host_(tables_.modes.damping)[lane] *= step.mean_square;
+  host_(tables_.modes.damping)[lane] *= step.mean_square;  // of the sums of V^2
   for (int j = 0; j < tables_.scheme.stages; ++j) {
     ends[(end_forces + 2 * j) * lanes] = step.u_f[j];
     ends[(end_forces + 2 * j + 1) * lanes] = step.v_f[j];

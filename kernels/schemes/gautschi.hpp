@@ -52,8 +52,7 @@ struct Gautschi {
     const double lost = -std::expm1(-2.0 * zeta * x) / (2.0 * p);
     step.now_mean = 2.0 * x * square / (p * (1.0 + square));
     step.now_pushed = x * lost / (1.0 + square) - x * (lost - zeta) / w;
-    // of a free mode, V1 has |exp(lambda tau) - 1|/tau of the amplitude of U, and its velocity
-    // omega
+    // of a free mode V has |exp(lambda tau) - 1|/tau times the amplitude of U, its velocity omega
     if (zeta < 1.0) step.mean_square = x * x * decay / w;
     return step;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/result/record.hpp"
+#include "host/run/v_rms.hpp"
 #include "tests/numbers.hpp"
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
@@ -180,6 +181,24 @@ TEST(ExactScheme, IsExactAtLargeStepsToo) {
       // and the angle of a step is known to x eps/2 only; the mode's norm is below 4e-3 in all
       EXPECT_LE(std::max(e.u, e.v), (4 + x) * eps * steps * 4e-3);
     }
+}
+
+/// Its V is that of a chord: at x = 1 its square is 8 % less than that of the velocity.
+TEST(GautschiScheme, LevelAndLossAreThoseOfTheVelocity) {
+  constexpr double x = 1.0, zeta = 1e-4;
+  Scene s = with(lone_beam(1, zeta), scheme_of(SchemeKind::gautschi));
+  set_steps(s, x / make_body(s.resonator).modes[0].omega, 2000, 2);
+  const Model model = make_model(s);
+  ModalStart start = make_start(model);
+  start.resonator_v = {1e-3};
+  count_energy(model, start);
+  const Recording run = simulate({model}, {start})[0];
+  // the energy falls by exp(-2 zeta omega t); its mean over the time, but for a period's share of
+  // it
+  const double decay = 2 * zeta * x * 2000, mean = -std::expm1(-decay) / decay;
+  const double expected = std::sqrt(0.5 * mean * mean_squares(model)[0]) * 1e-3;
+  EXPECT_NEAR(v_rms(model, run.end, {}) / expected, 1, 2e-3);
+  EXPECT_NEAR(run.samples.damping_loss.back() / (start.energy * -std::expm1(-decay)), 1, 2e-3);
 }
 
 TEST_P(OrderOf, ModesUnderASmoothForce) {
