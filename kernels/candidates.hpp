@@ -43,8 +43,8 @@
 ///
 /// Search: where neither is safe, the march searches for the nodes in contact at every state.
 ///
-/// Kept lists: with many modes these bounds are wide and a forecast costs as much as many steps,
-/// and squares of nodes make listed nodes cheap (CandidateLists::kept). There nothing is forecast.
+/// Kept lists: with many modes these bounds are wide and a forecast costs as much as many steps
+/// (CandidateLists::kept). There nothing is forecast.
 /// A list holds on a way that was chosen, while the modes stay within its margin of their line, and
 /// the march asks for that at every state: how far they are off it now is bounded by the
 /// polynomials of the footprint (Footprint::most). The margin is what they have needed of late.
@@ -60,6 +60,8 @@ namespace ra2d {
 inline constexpr int most_listed_steps = 256;
 /// A shorter flight is not worth its forecast: evaluating listed nodes costs less.
 inline constexpr int shortest_flight = 24;
+/// Kept lists: making one costs about as much as evaluating so many nodes.
+inline constexpr double bearable_evaluations = 25;
 /// Under Form::implicit: with more nodes than this, a search at every state costs less than a
 /// list.
 inline constexpr int most_listed_nodes = 48;
@@ -215,19 +217,23 @@ class Candidates {
     for (int p = 0; p < filled<packs>(lanes_); ++p)
       away[p] = multiply_add(-time, load_pack(lanes_, lists_.line_v, p),
                              u[p] - load_pack(lanes_, lists_.line_u, p));
+    const double most = line_.margin - rounding(0) * bound(bounds_.largest_shape, u);
+    // a bound that is wide and costs a tenth does at the beginning of a list
+    if (bound(bounds_.largest_shape, away) <= most) return line_.count;
     const double departure = Footprint<Lanes, packs>(lanes_, bounds_).most(place, away);
     if (const double longer = Kokkos::abs(time) + motion_.time_step; motion_.advance > 0.0)
       acceleration_ = Kokkos::max(acceleration_, departure / (longer * longer));
-    const double error = rounding(0) * bound(bounds_.largest_shape, u);
-    return departure + error <= line_.margin ? line_.count : -1;
+    return departure <= most ? line_.count : -1;
   }
   /// Lists the nodes that come into contact while the modes stay within a margin of their line, U +
-  /// t V: on so long a way that a few of them stay open, and no further than to the end of the
-  /// spacing. Returns their number; they may be more than there is room for (has_room).
+  /// t V: on so long a way that evaluating those that stay open costs about as much as the list,
+  /// and no further than to the end of the spacing. Returns their number; they may be more than
+  /// there is room for (has_room).
   RA2D_FUNCTION int keep_list(const Real* u, const Real* v, const Place& place) {
     const double tau = motion_.time_step, advance = motion_.advance;
     if (line_.count >= 0)
-      aim_at(open_ > closed_ / 2 + 8 ? 3 * aimed_steps_ / 4 : 5 * aimed_steps_ / 4 + 1);
+      aim_at(open_evaluations_ > bearable_evaluations ? 3 * aimed_steps_ / 4
+                                                      : 5 * aimed_steps_ / 4 + 1);
     const bool moves = advance > 0.0;
     const double left = moves ? (1.0 - place.theta) / advance + 1.0 : 1e300,
                  steps = left < aimed_steps_ ? Kokkos::ceil(left) : aimed_steps_,
@@ -272,8 +278,7 @@ class Candidates {
     if (lanes_.leader()) evaluated_ += static_cast<std::int64_t>(groups_.count()) * width;
     lanes_.sync();
     line_.count = count;
-    closed_ = closed;
-    open_ = count - closed;
+    open_evaluations_ = (count - closed) * steps;
     return count;
   }
   KOKKOS_FORCEINLINE_FUNCTION void drop_list() { line_.count = -1; }
@@ -340,8 +345,8 @@ class Candidates {
     double margin = 0;         // m
     int base = 0, count = -1;  // Place::base; nodes, -1: there is no list
   } line_;
-  double acceleration_ = 0;    // half the largest off the line of late, m/s^2
-  int closed_ = 0, open_ = 0;  // nodes listed that were in contact at its beginning, and others
+  double acceleration_ = 0;      // half the largest off the line of late, m/s^2
+  double open_evaluations_ = 0;  // nodes not in contact when it was made, times its steps
   // Areal scenes: steps that the next list is for. A list for more holds nodes so far from contact
   // that the bound on their forces ends it sooner. The first list of a launch is for few
   // steps: of bodies that move, one for many would hold nearly all nodes, and so would the

@@ -543,8 +543,8 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   const std::size_t groups = n.groups;
   visit("candidate_groups", s.candidates.groups, groups);
   visit("candidate_reference_u", s.candidates.reference_u, lanes);
-  visit("line_u", s.candidates.line_u, n.keeps_lists() ? lanes : 0);
-  visit("line_v", s.candidates.line_v, n.keeps_lists() ? lanes : 0);
+  visit("line_u", s.candidates.line_u, n.keeps_lists ? lanes : 0);
+  visit("line_v", s.candidates.line_v, n.keeps_lists ? lanes : 0);
   visit("coarse_groups", s.candidates.coarse_groups, groups);
   visit("coarse_highest", s.candidates.coarse_highest, groups + n.width);
   if (n.rows > 0) visit("coarse_displacement", s.candidates.coarse_displacement, groups);

@@ -221,6 +221,7 @@ struct Extents {
   int contacts = 0;             // nodes that can be in contact at once under Form::adaptive
   int higher_orders = 0;        // SeriesTables::most_raised
   int cluster_degree = 0;       // ClusterTables::degree
+  bool keeps_lists = false;     // CandidateLists::kept
   int footprint_terms = 0, footprint_places = 0;  // FootprintTables
 
   std::size_t padded_nodes() const { return static_cast<std::size_t>(groups) * width; }
@@ -245,8 +246,6 @@ struct Extents {
   int column_row() const { return row_groups + width; }
   int column_strip() const { return row_heights / width + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
-  /// CandidateLists::kept.
-  bool keeps_lists() const { return !adaptive() && cluster_degree > 0; }
   std::size_t series_orders() const { return 1 + static_cast<std::size_t>(higher_orders); }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
   std::size_t shape_rows() const { return smooth ? 7 : 4; }

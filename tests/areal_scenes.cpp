@@ -64,8 +64,8 @@ ArealScene one_bump() {
   s.plate_heights[4][65] = 9e-6;
   return s;
 }
-ArealScene many_nodes() {
-  ArealScene s = small_areal_scene(Support::free, 30);
+ArealScene many_nodes(int modes) {
+  ArealScene s = small_areal_scene(Support::free, modes);
   s.spacing = 5e-5, s.spacing_y = 1e-4;
   s.block.length = 149 * s.spacing, s.block.width = 37 * s.spacing_y;
   s.side = 0.003;

@@ -19,7 +19,7 @@ ArealScene free_block();
 ArealScene sixty_modes();
 ArealScene one_bump();
 /// 150 x 37 nodes: many tiles.
-ArealScene many_nodes();
+ArealScene many_nodes(int modes = 30);
 
 /// 40 x 24 nodes, 3 um apart: contacts of many nodes each, which the march gathers in clusters at
 /// tolerances of 1e-6 and 1e-8. Or other rows, the last of which is raised [m].

@@ -653,7 +653,7 @@ void fill(SceneState& state, const Model& model, const ModalStart& start, const 
   state.carried.sampling.next = model.first_sample;
   state.out.samples.capacity = n.samples;
   state.work.candidates.most_listed = n.listed;
-  state.work.candidates.kept = n.keeps_lists();
+  state.work.candidates.kept = n.keeps_lists;
   state.work.runs.capacity = n.runs();
   state.work.runs.row = model.is_areal ? static_cast<int>(n.padded_row()) : 0;
   state.out.ended_shocks.capacity = n.shocks;

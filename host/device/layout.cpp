@@ -91,6 +91,18 @@ int nodes_with_shapes(const Model& model, int padded) {
   return std::max(padded, static_cast<int>(std::min(along, most)));
 }
 
+/// Whether keeping lists of nodes costs less than forecasts (kernels/candidates.hpp): where squares
+/// make listed nodes cheap, or steps are long. A forecast serves for many short ones.
+bool keeps_lists(const Model& model, const Extents& n) {
+  const Form form = form_of(model.scene);
+  if (form == Form::implicit || form == Form::adaptive || n.smooth || n.width > square_nodes)
+    return false;
+  constexpr double long_step = 0.05;  // rad of the fastest mode
+  double fastest = 0;
+  for (const BodyMode& mode : model.resonator.modes) fastest = std::max(fastest, mode.omega);
+  return n.cluster_degree > 0 || fastest * model.tick > long_step;
+}
+
 }  // namespace
 
 int higher_orders(const Scene& scene, const FootprintShape& footprint) {
@@ -141,6 +153,7 @@ Extents extents_of(const Model& model, const PatchSeries& series, int lanes, int
     n.footprint_terms = footprint.terms();
     n.footprint_places = footprint.places;
   }
+  n.keeps_lists = n.footprint_terms > 0 && keeps_lists(model, n);
   n.moving_forces = static_cast<int>(scene.resonator.moving_forces.size());
   const auto most_samples = static_cast<std::int64_t>(
       std::max<std::size_t>(1, capacity.sample_bytes / (sizeof(double) * sample::pitch(lanes))));

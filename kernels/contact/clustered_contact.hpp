@@ -63,6 +63,12 @@ class ClusteredContact {
     return single_.expand(place, nodes, count);
   }
 
+  /// Whether what was prepared last serves at this place, too. Squares do at every one up to the
+  /// next spacing.
+  KOKKOS_FORCEINLINE_FUNCTION bool is_expanded(const Place& place) const {
+    return (fits && tables_.degree > 0) || single_.is_expanded(place);
+  }
+
   /// As NodeContact. The listed nodes are those of the latest expand().
   KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> operator()(const Place& place, const Real* u,
                                                              const int* nodes, int count,

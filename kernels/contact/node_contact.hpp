@@ -109,6 +109,10 @@ class NodeContact {
     }
     return true;
   }
+  /// Areal scenes: whether what is expanded serves at this place.
+  KOKKOS_FORCEINLINE_FUNCTION bool is_expanded(const Place& place) const {
+    return marks_.slots_window == place.window(motion_);
+  }
   /// psi of both bodies at an expanded node, and its change over a spacing of the slider's path.
   KOKKOS_FORCEINLINE_FUNCTION void shapes(int node, double offset, Real* phi, Real* slope) const {
     shapes_at(slot(node), offset, phi, slope);

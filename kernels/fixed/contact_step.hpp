@@ -111,15 +111,16 @@ class KeptNodes {
   /// Negative where there is no room for them all.
   RA2D_FUNCTION int find(const Real* u, const Real* v, const Place& place) {
     int count = candidates_.kept_list(u, place);
+    const bool serves = count >= 0 && contact_.is_expanded(place);  // or another window begins
     if (count < 0) {
       count = candidates_.keep_list(u, v, place);
       if (!candidates_.has_room(count)) [[unlikely]]
         count = candidates_.find_contacts(u, v, place);  // those of this state alone
-      if (!candidates_.has_room(count) || !contact_.expand(place, listed_nodes_, count))
-          [[unlikely]] {
-        candidates_.drop_list();
-        return -1;
-      }
+    }
+    if (!serves && (!candidates_.has_room(count) || !contact_.expand(place, listed_nodes_, count)))
+        [[unlikely]] {
+      candidates_.drop_list();
+      return -1;
     }
     evaluated_ += count;
     return count;

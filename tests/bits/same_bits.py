@@ -504,6 +504,26 @@ def areal_scenes():
     yield "areal", 5e-3, *free, "scene.spacing=2e-5"
 
 
+def scenes_of_many_modes():
+    """All 174 modes of scenes/areal.toml: nodes in squares, whose rows are no multiple of 16, and
+    nodes by themselves, in short steps and in long ones."""
+    block = ["scene.faces=linear", "slider.thickness=5e-4", "slider.length=8e-4",
+             "resonator.surface.rq=1e-6", "slider.surface.rq=1e-6",
+             "resonator.surface.rsm=1e-4", "slider.surface.rsm=1e-4", "slider.load=0.05",
+             "contact.stiffness=1e15", "output.rate=1e4"]
+    by = [("gautschi", 5e-7), ("midpoint", 1e-7), ("rk4", 1e-7), ("rk8", 2e-7), ("heun", 5e-9)]
+    for rows, (scheme, step) in zip((17, 18, 33, 19, 17), by):
+        width = f"slider.width={rows * 8e-6}"
+        yield ("areal", 4e-3 if step > 1e-8 else 4e-4, *block, "scene.spacing=8e-6", width,
+               f"time.scheme={scheme}", f"time.step={step}")
+    for spacing in (16e-6, 25e-6):
+        wave = [f"{body}.surface.rsm={8 * spacing}" for body in ("resonator", "slider")]
+        for scheme, step in (("gautschi", 1e-6), ("gautschi", 1e-7), ("rk8", 1e-6),
+                             ("midpoint", 5e-7)):
+            yield ("areal", 4e-3, *block, f"scene.spacing={spacing}", *wave, "slider.width=5e-4",
+                   "contact.stiffness=1e14", f"time.scheme={scheme}", f"time.step={step}")
+
+
 def smooth_scenes():
     """Between smooth faces: all other scenes here have linear ones."""
     smooth, adaptive = "scene.faces=smooth", "time.scheme=adaptive"
@@ -534,6 +554,8 @@ def scenes_of_the_program():
         ("dang2012", 0.02, "time.scheme=adaptive"),
         ("dang2012", 0.01, "time.scheme=adaptive", "time.tolerance=1e-4", "time.nodes=all"),
         ("dang2012", 0.005, "time.scheme=rk8", "time.step=1e-7"),
+        ("dang2012", 0.005, "time.scheme=gautschi", "time.step=1e-7"),
+        ("dang2012-pinned", 0.02, "time.scheme=gautschi", "time.step=5e-8"),
         ("dang2012", 0.004, "contact.law=multiplier", "time.step=2e-8"),
         ("dang2012", 0.02, "time.contact_force=new", "time.step=1e-7"),
         ("dang2012-pinned", 0.02, "time.scheme=midpoint", "time.step=5e-8"),
@@ -554,6 +576,7 @@ def scenes_of_the_program():
         ("moving-force", 0.005, 0),
         ("moving-force", 0.015, "time.scheme=adaptive", 0),
         *areal_scenes(),
+        *scenes_of_many_modes(),
         *smooth_scenes(),
     ]
     for number, (name, duration, *settings) in enumerate(listed, 1):
@@ -738,8 +761,7 @@ def kinds_of(options, modes):
 
 WANTED = {  # each of these in a scene with contact
     "scheme": ["explicit-euler", "midpoint", "backward-euler", "backward-euler (new)", "heun",
-               "rk4", "rk8", "exact",
-               "adaptive"],
+               "rk4", "rk8", "exact", "gautschi", "adaptive"],
     "law": ["penalty", "multiplier"], "nodes": ["candidates", "all"],
     "modes": ["up to 8", "up to 24", "up to 64", "up to 256"],
     "tolerance": [f"1e-{digits:02}" for digits in range(4, 13)],

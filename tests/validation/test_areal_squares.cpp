@@ -86,25 +86,49 @@ TEST(ArealSquares, EnergyCloses) {
   EXPECT_EQ(r.samples.nodes[samples], end.contacts);
 }
 
+/// March of all nodes, of candidates, in many launches, and with memory that grows with the
+/// contact.
+void expect_same_bits(const Started& all, const Started& started) {
+  const Recording whole = simulate(all);
+  EXPECT_EQ(whole.end.status, Status::done);
+  const Recording candidates = simulate(started);
+  EXPECT_TRUE(same(whole, candidates));
+  // all nodes count once a step, however many stages it has
+  const SchemeKind kind = all.model.scene.time.scheme;
+  const int stages = kind == SchemeKind::rk8 ? scheme_table(kind).stages : 1;
+  EXPECT_LT(candidates.end.evaluated, stages * whole.end.evaluated);
+  EXPECT_TRUE(same(whole, simulate(started, {.steps = whole.model.steps / 37, .batch = {}})));
+  Launches narrow;
+  narrow.batch.capacity.nodes = 1;
+  EXPECT_TRUE(same(whole, simulate(started, narrow)));
+}
+constexpr int often = 400;  // samples, between two steps, too: most while a list is kept
+
 TEST(ArealSquares, CandidatesAndLaunchesChangeNoBit) {
   for (const auto& [kind, step] :
        {std::pair{SchemeKind::midpoint, 1e-8}, std::pair{SchemeKind::explicit_euler, 1e-8},
         std::pair{SchemeKind::gautschi, 2e-7}, std::pair{SchemeKind::heun, 1e-7},
         std::pair{SchemeKind::rk4, 1e-7}, std::pair{SchemeKind::rk8, 2e-7}}) {
     SCOPED_TRACE(scheme_of(kind).name);
-    constexpr int often = 400;  // samples, between two steps, too: most while a list is kept
-    const Started started = march(scheme_of(kind), step, Nodes::candidates, often);
-    const Recording whole = simulate(march(scheme_of(kind), step, Nodes::all, often));
-    EXPECT_EQ(whole.end.status, Status::done);
-    const Recording candidates = simulate(started);
-    EXPECT_TRUE(same(whole, candidates));
-    // all nodes count once a step, however many stages it has
-    const int stages = kind == SchemeKind::rk8 ? scheme_table(kind).stages : 1;
-    EXPECT_LT(candidates.end.evaluated, stages * whole.end.evaluated);
-    EXPECT_TRUE(same(whole, simulate(started, {.steps = whole.model.steps / 37, .batch = {}})));
-    Launches narrow;  // memory grows with the contact
-    narrow.batch.capacity.nodes = 1;
-    EXPECT_TRUE(same(whole, simulate(started, narrow)));
+    expect_same_bits(march(scheme_of(kind), step, Nodes::all, often),
+                     march(scheme_of(kind), step, Nodes::candidates, often));
+  }
+}
+
+/// Nodes that stand further apart have no squares. Long steps keep lists there, too.
+TEST(ArealLists, KeptInLongStepsChangeNoBit) {
+  const ArealScene s = many_nodes(modes);
+  for (const auto& [kind, step] :
+       {std::pair{SchemeKind::midpoint, 2e-7}, std::pair{SchemeKind::gautschi, 1e-6},
+        std::pair{SchemeKind::heun, 2e-7}, std::pair{SchemeKind::rk8, 1e-6}}) {
+    SCOPED_TRACE(scheme_of(kind).name);
+    const auto steps = std::lround(1e-3 / step);
+    const Started started = areal_march(s, scheme_of(kind), step, steps, often, Nodes::candidates);
+    const Extents n = extents_of(started.model, choose_series(started.model, lanes_of_a_pack), 128,
+                                 lanes_of_a_pack, {});
+    EXPECT_TRUE(n.keeps_lists);
+    EXPECT_EQ(n.cluster_degree, 0);
+    expect_same_bits(areal_march(s, scheme_of(kind), step, steps, often), started);
   }
 }
 
