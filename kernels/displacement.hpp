@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Kokkos_Core.hpp>
+#include <type_traits>
 
 #include "kernels/check.hpp"
 #include "kernels/function.hpp"
@@ -53,13 +54,16 @@ KOKKOS_FORCEINLINE_FUNCTION void series_coefficients(const Lanes& lanes, const d
 /// psi^(j)(centre)/j! for j = 0 ... terms - 1. Four derivatives are stored, psi'''' = beta^4 psi
 /// gives the others.
 template <class Lanes, int packs>
-KOKKOS_INLINE_FUNCTION void full_series(const Lanes& lanes, const PatchTables& patches,
-                                        const double* rows, int p, typename Lanes::Real* c) {
+KOKKOS_FORCEINLINE_FUNCTION void full_series(const Lanes& lanes, const PatchTables& patches,
+                                             int terms, const double* rows, int p,
+                                             typename Lanes::Real* c) {
   using Real = typename Lanes::Real;
   const Real quartic = lanes.load(patches.quartic + p * Lanes::width);
+  RA2D_UNROLL
   for (int j = 0; j < 4; ++j) {
     c[j] = Real(inverse_factorial(j)) * lanes.load(rows + (j * packs + p) * Lanes::width);
-    for (int i = j; i + 4 < patches.terms; i += 4)
+    RA2D_UNROLL
+    for (int i = j; i + 4 < terms; i += 4)
       c[i + 4] = c[i] * quartic * Real(1.0 / ((i + 1.0) * (i + 2.0) * (i + 3.0) * (i + 4.0)));
   }
 }
@@ -76,7 +80,7 @@ KOKKOS_INLINE_FUNCTION void mode_values(const Lanes& lanes, const PatchTables& p
       patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
   for (int p = 0; p < filled<packs>(lanes); ++p) {
     Real c[most_terms];
-    full_series<Lanes, packs>(lanes, patches, rows, p, c);
+    full_series<Lanes, packs>(lanes, patches, patches.terms, rows, p, c);
     value[p] = c[patches.terms - 1];
     for (int j = patches.terms - 2; j >= 0; --j) value[p] = multiply_add(value[p], eta, c[j]);
   }
@@ -92,15 +96,32 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
   const Real eta((position - (patch + 0.5) * patches.nodes) * patches.inverse_radius);
   const double* rows =
       patches.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * Lanes::width;
-  for (int p = 0; p < filled<packs>(lanes); ++p) {
-    Real c[most_terms];
-    full_series<Lanes, packs>(lanes, patches, rows, p, c);
-    double unit = 1.0;
-    for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
-      RA2D_KEEP_LOOP
-      for (int j = patches.terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
-      shape[m][p] = Real(unit) * c[m];
-      unit *= patches.inverse_radius;
+  const auto expand = [&](auto terms) {
+    for (int p = 0; p < filled<packs>(lanes); ++p) {
+      Real c[most_terms];
+      full_series<Lanes, packs>(lanes, patches, terms, rows, p, c);
+      double unit = 1.0;
+      RA2D_UNROLL
+      for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
+        RA2D_KEEP_LOOP RA2D_UNROLL
+        for (int j = terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
+        shape[m][p] = Real(unit) * c[m];
+        unit *= patches.inverse_radius;
+      }
+    }
+  };
+  if constexpr (Lanes::width == 32) {
+    expand(patches.terms);  // a GPU waits for code: one copy of it
+  } else {
+    // a constant number of terms stays in registers, and what they are divided by is a factor
+    static_assert(most_terms == 24);
+    switch (patches.terms) {
+      case 4: return expand(std::integral_constant<int, 4>());
+      case 8: return expand(std::integral_constant<int, 8>());
+      case 12: return expand(std::integral_constant<int, 12>());
+      case 16: return expand(std::integral_constant<int, 16>());
+      case 20: return expand(std::integral_constant<int, 20>());
+      default: return expand(std::integral_constant<int, 24>());
     }
   }
 }

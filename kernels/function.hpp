@@ -19,6 +19,9 @@
 /// fetching code is what `adaptive` waits for there (docs/gpu.md).
 #if defined(__CUDA_ARCH__) || defined(__HIP_DEVICE_COMPILE__) || defined(__SYCL_DEVICE_ONLY__)
 #define RA2D_KEEP_LOOP _Pragma("unroll 1")
+#define RA2D_UNROLL
 #else
 #define RA2D_KEEP_LOOP
+/// Before a loop that the compiler of a CPU is to unroll whole.
+#define RA2D_UNROLL _Pragma("GCC unroll 32")
 #endif

@@ -113,7 +113,7 @@ class MovingForceSeries {
         patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       Real c[most_terms];
-      full_series<Lanes, packs>(lanes_, patches_, rows, p, c);
+      full_series<Lanes, packs>(lanes_, patches_, patches_.terms, rows, p, c);
       Real power(f.force);
       if (forces_.across != nullptr) [[unlikely]]
         power = power * lanes_.load(forces_.across + (force * packs + p) * width);

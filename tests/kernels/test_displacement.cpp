@@ -341,7 +341,7 @@ TEST(FullSeries, TermsAreScaledDerivatives) {
   for (int j = 0; j < 4; ++j)
     for (int lane = 0; lane < width; ++lane) rows[j * width + lane] = (j + 1) * (lane + 1);
   Real c[most_terms];
-  full_series<HostLanes, 1>(lanes, t.patches, rows.data(), 0, c);
+  full_series<HostLanes, 1>(lanes, t.patches, t.patches.terms, rows.data(), 0, c);
   for (int j = 0; j < 12; ++j) {
     std::array<double, width> out;
     lanes.store(out.data(), c[j]);
