@@ -103,7 +103,8 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
       double unit = 1.0;
       RA2D_UNROLL
       for (int m = 0; m < 4; ++m) {  // repeated synthetic division by (eta' - eta)
-        RA2D_KEEP_LOOP RA2D_UNROLL
+        RA2D_KEEP_LOOP
+        RA2D_UNROLL
         for (int j = terms - 2; j >= m; --j) c[j] = multiply_add(eta, c[j + 1], c[j]);
         shape[m][p] = Real(unit) * c[m];
         unit *= patches.inverse_radius;
@@ -116,12 +117,18 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
     // a constant number of terms stays in registers, and what they are divided by is a factor
     static_assert(most_terms == 24);
     switch (patches.terms) {
-      case 4: return expand(std::integral_constant<int, 4>());
-      case 8: return expand(std::integral_constant<int, 8>());
-      case 12: return expand(std::integral_constant<int, 12>());
-      case 16: return expand(std::integral_constant<int, 16>());
-      case 20: return expand(std::integral_constant<int, 20>());
-      default: return expand(std::integral_constant<int, 24>());
+      case 4:
+        return expand(std::integral_constant<int, 4>());
+      case 8:
+        return expand(std::integral_constant<int, 8>());
+      case 12:
+        return expand(std::integral_constant<int, 12>());
+      case 16:
+        return expand(std::integral_constant<int, 16>());
+      case 20:
+        return expand(std::integral_constant<int, 20>());
+      default:
+        return expand(std::integral_constant<int, 24>());
     }
   }
 }
