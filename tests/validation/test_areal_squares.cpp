@@ -15,8 +15,9 @@
 #include "tests/schemes.hpp"
 #include "tests/simulate.hpp"
 
-/// Areal scenes in fixed steps whose nodes are so fine that squares of them share their sums over
-/// the modes (kernels/contact/clustered_contact.hpp).
+/// Areal scenes of many modes in fixed steps: lists of nodes that are kept
+/// (kernels/candidates.hpp), most of them of nodes so fine that squares of them share their sums
+/// over the modes (kernels/contact/clustered_contact.hpp).
 namespace ra2d::test {
 namespace {
 
