@@ -111,7 +111,7 @@ KOKKOS_INLINE_FUNCTION void expand_modes(const Lanes& lanes, const PatchTables& 
       }
     }
   };
-  if constexpr (Lanes::width == 32) {
+  if constexpr (Lanes::on_gpu) {
     expand(patches.terms);  // a GPU waits for code: one copy of it
   } else {
     // a constant number of terms stays in registers, and what they are divided by is a factor

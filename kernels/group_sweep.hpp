@@ -23,7 +23,7 @@ class GroupSweep {
   static constexpr int width = Lanes::width;
   /// Whether the modes' displacements on a row are read from memory: in a loop that is not unrolled
   /// u and v would leave a GPU's registers.
-  static constexpr bool in_memory = width == 32;
+  static constexpr bool in_memory = Lanes::on_gpu;
 
  public:
   /// Whether a group's overlaps take sums over the modes, and as many times what it takes to look

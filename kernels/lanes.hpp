@@ -15,7 +15,8 @@
 /// Lanes: how the one team that marches a scene spreads its modes and nodes.
 ///
 /// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is
-/// a SIMD register of one thread; on a GPU it is one double in each thread of a warp. A sum over
+/// a SIMD register of one thread; on a GPU it is one double in each thread of a warp, or of a part
+/// of one, beside teams with other scenes. A sum over
 /// lanes adds in one fixed tree, so a result does not depend on threads, batch or launch.
 ///
 /// Each lane of a warp runs a kernel by itself. Kernels keep these rules so that the lanes come to
@@ -30,10 +31,11 @@
 ///   Syncs     One stands between a write and the reads of other lanes, and one between these reads
 ///             and the next write: a lane may be late. A condition counts as a read, too.
 ///   Sums      A reduction synchronizes the lanes, but orders no memory: it is no sync.
-///   Scenes    A GPU may march several scenes in a block, a warp each. They share nothing but the
-///             instructions that the multiprocessor fetches: `meet_scenes` waits until each of them
-///             has come to one, so that what they do next is fetched once for all. An answer never
-///             depends on it.
+///   Scenes    A GPU may march several scenes in a block. They share nothing but instructions. Of
+///             warps with a scene each, `meet_scenes` waits until all have come to one, so that
+///             what they do next is fetched once for all. Of scenes that share a warp,
+///             `meet_in_warp` does the same, so that it is issued once. An answer never depends on
+///             it.
 ///   Time      On a GPU each scene of a launch has the same time, and `time_is_up` says when it is
 ///             over: else all would wait for the one with most to do. An answer never depends on
 ///             where a launch ends.
@@ -44,6 +46,7 @@ struct HostLanes {
   using Real = Kokkos::Experimental::simd<double>;
   using Mask = typename Real::mask_type;
   static constexpr int width = static_cast<int>(Real::size());
+  static constexpr bool on_gpu = false;
 
   int filled_packs = most_modes;  // that have modes in them; at least one: sums begin with it
 
@@ -128,54 +131,50 @@ struct HostLanes {
   static constexpr bool leader() { return true; }
   static void sync() {}
   static void meet_scenes() {}
+  static void meet_in_warp() {}
   static constexpr bool time_is_up() { return false; }
   /// Has what stands there brought near, to be read soon.
   static void prefetch(const double* p) { __builtin_prefetch(p); }
 };
 
 #if defined(KOKKOS_ENABLE_CUDA)
-/// Lanes of a GPU team: the threads of one warp. Kokkos' own reductions over them are loops of as
-/// many rounds as a launch says, with branches in them; these are five shuffles each. On the host
-/// it compiles and is never called.
-template <class Member>
+/// Lanes of a GPU team: the threads of a warp, or of a half, quarter or eighth of one. Kokkos' own
+/// reductions over them are loops of as many rounds as a launch says, with branches in them; these
+/// are a shuffle a round. On the host it compiles and is never called.
+template <int width_>
 struct WarpLanes {
   using Real = double;
-  static constexpr int width = 32;
+  static constexpr int width = width_;
+  static constexpr bool on_gpu = true;
+  static constexpr int warp = 32;
 
-  int lane = 0;
+  int lane = 0;           // of the team
   std::uint64_t end = 0;  // ns of nanoseconds()
 
-  /// For a march that is to end by then.
-  RA2D_FUNCTION WarpLanes(const Member&, std::uint64_t end_) : end{end_} {
+  /// For a march that is to end by then, of a block of (width, teams) threads.
+  RA2D_FUNCTION explicit WarpLanes(std::uint64_t end_) : end{end_} {
     KOKKOS_IF_ON_DEVICE((lane = static_cast<int>(threadIdx.x);))
   }
   RA2D_FUNCTION Real load(const double* p) const { return p[lane]; }
   RA2D_FUNCTION void store(double* p, Real x) const { p[lane] = x; }
   RA2D_FUNCTION Real index() const { return lane; }
-  /// Lane i with lane i + 16, then i + 8, ...: a + b is b + a, so each lane comes to the same bits.
+  /// Lane i with lane i + width/2, then i + width/4, ...: a + b is b + a, so each lane comes to the
+  /// same bits.
   RA2D_FUNCTION double sum(Real x) const {
-    x += across(x, 16);
-    x += across(x, 8);
-    x += across(x, 4);
-    x += across(x, 2);
-    x += across(x, 1);
-    return x;
+    return joined<width / 2>(x, [](double a, double b) { return a + b; });
   }
-  /// Both in the same tree, x in the first half of the lanes and y in the second: six exchanges
-  /// instead of ten.
+  /// Both in the same tree, x in the first half of the lanes and y in the second: of 32, six
+  /// exchanges instead of ten.
   RA2D_FUNCTION void sum(Real x, Real y, double& of_x, double& of_y) const {
     const bool second = lane >= width / 2;
     const double given = across(second ? x : y, width / 2);
-    double half = (second ? y : x) + given;
-    half += across(half, 8);
-    half += across(half, 4);
-    half += across(half, 2);
-    half += across(half, 1);
+    const double half =
+        joined<width / 4>((second ? y : x) + given, [](double a, double b) { return a + b; });
     const double other = across(half, width / 2);
     of_x = second ? other : half;
     of_y = second ? half : other;
   }
-  /// Four in the same tree, the last three steps of it a quarter of the lanes each: ten exchanges
+  /// Four in the same tree, its last steps a quarter of the lanes each: of 32, ten exchanges
   /// instead of twenty.
   RA2D_FUNCTION void sums(const Real (&x)[4], double (&of)[4]) const {
     spread(x, of, [](double a, double b) { return a + b; });
@@ -183,30 +182,29 @@ struct WarpLanes {
   /// The smallest of four, of each in the same way; of 0 and -0 either.
   RA2D_FUNCTION void minima(const Real (&x)[4], double (&of)[4]) const { spread(x, of, less); }
   RA2D_FUNCTION double min(Real x) const {
-    x = less(x, across(x, 16));
-    x = less(x, across(x, 8));
-    x = less(x, across(x, 4));
-    x = less(x, across(x, 2));
-    x = less(x, across(x, 1));
-    return of_lane(0, x);  // of 0 and -0 each lane has its own
+    return of_lane(0, joined<width / 2>(x, less));  // of 0 and -0 each lane has its own
   }
   RA2D_FUNCTION double max(Real x) const { return -min(-x); }
   RA2D_FUNCTION Real next([[maybe_unused]] Real x) const {
-    KOKKOS_IF_ON_DEVICE((return __shfl_down_sync(all, x, 1);))
+    KOKKOS_IF_ON_DEVICE((return __shfl_down_sync(members(), x, 1, width);))
     KOKKOS_IF_ON_HOST((return x;))
   }
   RA2D_FUNCTION std::uint32_t at_least([[maybe_unused]] Real x,
                                        [[maybe_unused]] double level) const {
-    KOKKOS_IF_ON_DEVICE((return __ballot_sync(all, level <= x);))
+    KOKKOS_IF_ON_DEVICE((return (__ballot_sync(members(), level <= x) & members()) >> first();))
     KOKKOS_IF_ON_HOST((return 0;))
   }
   RA2D_FUNCTION bool leader() const { return lane == 0; }
   RA2D_FUNCTION static void prefetch(const double*) {}
   /// Of the warps of the block that march on.
   RA2D_FUNCTION void meet_scenes() const { KOKKOS_IF_ON_DEVICE((__syncthreads();)) }
-  RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp();)) }
+  /// Of the teams that share a warp: they go on together.
+  RA2D_FUNCTION void meet_in_warp() const {
+    if constexpr (width < warp) KOKKOS_IF_ON_DEVICE((__syncthreads();))
+  }
+  RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp(members());)) }
   RA2D_FUNCTION bool time_is_up() const {
-    KOKKOS_IF_ON_DEVICE((return __ballot_sync(all, end <= nanoseconds()) != 0;))
+    KOKKOS_IF_ON_DEVICE((return (__ballot_sync(members(), end <= nanoseconds()) & members()) != 0;))
     KOKKOS_IF_ON_HOST((return false;))
   }
   /// The GPU's clock.
@@ -219,36 +217,55 @@ struct WarpLanes {
   }
 
  private:
-  static constexpr std::uint32_t all = 0xFFFFFFFF;
+  /// The first lane of this team in its warp.
+  RA2D_FUNCTION static std::uint32_t first() {
+    if constexpr (width < warp) KOKKOS_IF_ON_DEVICE((return threadIdx.y * width % warp;))
+    return 0;
+  }
+  /// One bit for each lane of the warp that is of this team.
+  RA2D_FUNCTION static std::uint32_t members() {
+    if constexpr (width == warp)
+      return 0xFFFFFFFF;
+    else
+      return ((1u << width) - 1u) << first();
+  }
   RA2D_FUNCTION static double across(double x, [[maybe_unused]] int distance) {
-    KOKKOS_IF_ON_DEVICE((return __shfl_xor_sync(all, x, distance);))
+    KOKKOS_IF_ON_DEVICE((return __shfl_xor_sync(members(), x, distance, width);))
     KOKKOS_IF_ON_HOST((return x;))
   }
   RA2D_FUNCTION static double of_lane([[maybe_unused]] int from, double x) {
-    KOKKOS_IF_ON_DEVICE((return __shfl_sync(all, x, from);))
+    KOKKOS_IF_ON_DEVICE((return __shfl_sync(members(), x, from, width);))
     KOKKOS_IF_ON_HOST((return x;))
   }
   RA2D_FUNCTION static double less(double x, double y) { return y < x ? y : x; }
+  /// x of each lane with that of the lane `distance` away, then half as far away, down to one.
+  template <int distance, class Operation>
+  RA2D_FUNCTION static double joined(double x, const Operation& join) {
+    if constexpr (distance > 0) {
+      return joined<distance / 2>(join(x, across(x, distance)), join);
+    } else {
+      return x;
+    }
+  }
   template <class Operation>
   RA2D_FUNCTION void spread(const Real (&x)[4], double (&of)[4], const Operation& join) const {
-    const bool half = (lane & 16) != 0, quarter = (lane & 8) != 0;
-    const double a = join(half ? x[1] : x[0], across(half ? x[0] : x[1], 16)),
-                 b = join(half ? x[3] : x[2], across(half ? x[2] : x[3], 16));
-    double part = join(quarter ? b : a, across(quarter ? a : b, 8));
-    part = join(part, across(part, 4));
-    part = join(part, across(part, 2));
-    part = join(part, across(part, 1));
+    constexpr int half = width / 2, quarter = width / 4;
+    const bool in_half = (lane & half) != 0, in_quarter = (lane & quarter) != 0;
+    const double a = join(in_half ? x[1] : x[0], across(in_half ? x[0] : x[1], half)),
+                 b = join(in_half ? x[3] : x[2], across(in_half ? x[2] : x[3], half));
+    const double part =
+        joined<width / 8>(join(in_quarter ? b : a, across(in_quarter ? a : b, quarter)), join);
     of[0] = of_lane(0, part);
-    of[1] = of_lane(16, part);
-    of[2] = of_lane(8, part);
-    of[3] = of_lane(24, part);
+    of[1] = of_lane(half, part);
+    of[2] = of_lane(quarter, part);
+    of[3] = of_lane(half + quarter, part);
   }
 };
 #endif
 
 template <class Space>
 struct LanesOf {
-  template <class Member>
+  template <int>
   using type = HostLanes;
   static constexpr int width = HostLanes::width;
   static constexpr int vector_length = 1;
@@ -256,8 +273,8 @@ struct LanesOf {
 #if defined(KOKKOS_ENABLE_CUDA)
 template <>
 struct LanesOf<Kokkos::Cuda> {
-  template <class Member>
-  using type = WarpLanes<Member>;
+  template <int width_>
+  using type = WarpLanes<width_>;
   static constexpr int width = 32;
   static constexpr int vector_length = 32;
 };

@@ -41,20 +41,23 @@ RA2D_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, Sc
   publish<Lanes, packs>(lanes, state.carried, state.out.now);
 }
 
-/// A launch on a GPU: scenes of one form, a warp each, to their targets. Addresses of the device.
-template <class Space, Form form, int packs>
+/// A launch on a GPU: scenes of one form, a team of `Lanes` each, to their targets. Addresses of
+/// the device.
+template <class Space, class Lanes, Form form, int packs>
 struct March {
   /// Scenes of a block. The instructions of `adaptive` do not fit in the caches of a multiprocessor
   /// (docs/gpu.md), so its scenes keep step with one another (AdaptiveMarch::enter): as many as the
   /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255.
-  static constexpr int most_in_block = form != Form::adaptive ? 1 : packs == 1 ? 16 : 8;
+  static constexpr int most_in_block = form != Form::adaptive ? Lanes::warp / Lanes::width
+                                       : packs == 1           ? 16
+                                                              : 8;
   /// Blocks that a multiprocessor has room for. Twelve leave 168 registers to a thread: of what was
   /// measured on a card the fastest (docs/gpu.md).
-  static constexpr int least_blocks = form == Form::semi_implicit && packs == 1 ? 12 : 1;
-  using Policy = Kokkos::TeamPolicy<
-      Space, Kokkos::LaunchBounds<most_in_block * LanesOf<Space>::vector_length, least_blocks>>;
+  static constexpr int least_blocks =
+      form == Form::semi_implicit && packs * Lanes::width <= 32 ? 12 : 1;
+  using Policy =
+      Kokkos::TeamPolicy<Space, Kokkos::LaunchBounds<most_in_block * Lanes::width, least_blocks>>;
   using Member = typename Policy::member_type;
-  using Lanes = typename LanesOf<Space>::template type<Member>;
 
   const SceneTables* tables;
   SceneState* states;
@@ -69,20 +72,19 @@ struct March {
     if (i >= count) return;
     const int scene = scenes[i];
     const std::uint64_t begin = Lanes::nanoseconds();
-    const Lanes lanes(member, begin + most);
+    const Lanes lanes(begin + most);
     march_scene<Lanes, form, packs>(lanes, tables[scene], states[scene], targets[scene]);
     const std::uint64_t end = Lanes::nanoseconds();
     if (lanes.leader())
       seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;
   }
-  /// Before a block has more scenes than one, each multiprocessor has a block.
+  /// Before a block has more scenes than one, the multiprocessors have all their blocks.
   void launch(const Space& space, int multiprocessors) const {
-    const int each = (count + multiprocessors - 1) / multiprocessors;
+    const int blocks = multiprocessors * least_blocks, each = (count + blocks - 1) / blocks;
     const int in_block = each < most_in_block ? each : most_in_block;
-    Kokkos::parallel_for(
-        "ra2d::march",
-        Policy(space, (count + in_block - 1) / in_block, in_block, LanesOf<Space>::vector_length),
-        *this);
+    Kokkos::parallel_for("ra2d::march",
+                         Policy(space, (count + in_block - 1) / in_block, in_block, Lanes::width),
+                         *this);
   }
 };
 

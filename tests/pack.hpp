@@ -21,16 +21,18 @@ inline constexpr int pack_width = static_cast<int>(Kokkos::Experimental::simd<do
 #endif
 
 /// So many values, each computed as a double is.
-struct Pack {
-  std::array<double, pack_width> x;
+template <int width>
+struct PackOf {
+  std::array<double, width> x;
+  using Pack = PackOf;
 
-  Pack() = default;
-  Pack(double value) { x.fill(value); }  // as implicit as that of Kokkos' packs
+  PackOf() = default;
+  PackOf(double value) { x.fill(value); }  // as implicit as that of Kokkos' packs
 
   template <class Function>
   static Pack of(const Function& function) {
     Pack result;
-    for (int lane = 0; lane < pack_width; ++lane) result.x[lane] = function(lane);
+    for (int lane = 0; lane < width; ++lane) result.x[lane] = function(lane);
     return result;
   }
   friend Pack operator+(const Pack& a, const Pack& b) {
@@ -52,27 +54,36 @@ struct Pack {
     return of([&](int i) { return test.x[i] > 0 ? a.x[i] : b.x[i]; });
   }
 };
+using Pack = PackOf<pack_width>;
 
 }  // namespace ra2d::test
 
 namespace Kokkos {
 
-inline ra2d::test::Pack fma(const ra2d::test::Pack& a, const ra2d::test::Pack& b,
-                            const ra2d::test::Pack& c) {
-  return ra2d::test::Pack::of([&](int i) { return std::fma(a.x[i], b.x[i], c.x[i]); });
+template <int width>
+ra2d::test::PackOf<width> fma(const ra2d::test::PackOf<width>& a,
+                              const ra2d::test::PackOf<width>& b,
+                              const ra2d::test::PackOf<width>& c) {
+  return ra2d::test::PackOf<width>::of([&](int i) { return std::fma(a.x[i], b.x[i], c.x[i]); });
 }
-inline ra2d::test::Pack abs(const ra2d::test::Pack& a) {
-  return ra2d::test::Pack::of([&](int i) { return std::abs(a.x[i]); });
+template <int width>
+ra2d::test::PackOf<width> abs(const ra2d::test::PackOf<width>& a) {
+  return ra2d::test::PackOf<width>::of([&](int i) { return std::abs(a.x[i]); });
 }
-inline ra2d::test::Pack sqrt(const ra2d::test::Pack& a) {
-  return ra2d::test::Pack::of([&](int i) { return std::sqrt(a.x[i]); });
+template <int width>
+ra2d::test::PackOf<width> sqrt(const ra2d::test::PackOf<width>& a) {
+  return ra2d::test::PackOf<width>::of([&](int i) { return std::sqrt(a.x[i]); });
 }
 // as Kokkos' own for doubles: the first where they are equal
-inline ra2d::test::Pack max(const ra2d::test::Pack& a, const ra2d::test::Pack& b) {
-  return ra2d::test::Pack::of([&](int i) { return a.x[i] < b.x[i] ? b.x[i] : a.x[i]; });
+template <int width>
+ra2d::test::PackOf<width> max(const ra2d::test::PackOf<width>& a,
+                              const ra2d::test::PackOf<width>& b) {
+  return ra2d::test::PackOf<width>::of([&](int i) { return a.x[i] < b.x[i] ? b.x[i] : a.x[i]; });
 }
-inline ra2d::test::Pack min(const ra2d::test::Pack& a, const ra2d::test::Pack& b) {
-  return ra2d::test::Pack::of([&](int i) { return b.x[i] < a.x[i] ? b.x[i] : a.x[i]; });
+template <int width>
+ra2d::test::PackOf<width> min(const ra2d::test::PackOf<width>& a,
+                              const ra2d::test::PackOf<width>& b) {
+  return ra2d::test::PackOf<width>::of([&](int i) { return b.x[i] < a.x[i] ? b.x[i] : a.x[i]; });
 }
 
 }  // namespace Kokkos
@@ -82,22 +93,24 @@ inline ra2d::test::Pack min(const ra2d::test::Pack& a, const ra2d::test::Pack& b
 namespace ra2d::test {
 
 /// The interface of kernels/lanes.hpp with such packs.
-struct PackLanes {
-  using Real = Pack;
-  static constexpr int width = pack_width;
+template <int width_>
+struct PackLanesOf {
+  using Real = PackOf<width_>;
+  static constexpr int width = width_;
+  static constexpr bool on_gpu = width == warp_width;
 
   static Real load(const double* p) {
-    return Pack::of([&](int lane) { return p[lane]; });
+    return Real::of([&](int lane) { return p[lane]; });
   }
   static void store(double* p, const Real& x) {
     for (int lane = 0; lane < width; ++lane) p[lane] = x.x[lane];
   }
   static Real index() {
-    return Pack::of([](int lane) { return static_cast<double>(lane); });
+    return Real::of([](int lane) { return static_cast<double>(lane); });
   }
   static double sum(const Real& x) { return tree_sum(x.x); }
   static void sum(const Real& x, const Real& y, double& of_x, double& of_y) {
-#if defined(RA2D_AVX512)
+#if defined(RA2D_AVX512) && !defined(RA2D_TEST_PACK_WIDTH)
     if constexpr (width == 8) {  // each lane with its neighbour first, as HostLanes does there
       of_x = tree_sum(neighbours(x));
       of_y = tree_sum(neighbours(y));
@@ -111,13 +124,14 @@ struct PackLanes {
   static double max(const Real& x) { return -min(-x); }
   static Real next(const Real& x) {
     const auto next = next_lanes(x.x);
-    return Pack::of([&](int lane) { return next[lane]; });
+    return Real::of([&](int lane) { return next[lane]; });
   }
   static std::uint32_t at_least(const Real& x, double level) { return lanes_at_least(x.x, level); }
   static constexpr bool leader() { return true; }
   static void prefetch(const double*) {}
   static void sync() {}
   static void meet_scenes() {}
+  static void meet_in_warp() {}
   static constexpr bool time_is_up() { return false; }
 
  private:
@@ -127,5 +141,6 @@ struct PackLanes {
     return pairs;
   }
 };
+using PackLanes = PackLanesOf<pack_width>;
 
 }  // namespace ra2d::test

@@ -36,7 +36,7 @@ class SeparateQueue : public DeviceQueue {
       for (int i = 0; i < scenes.count; ++i) {
         const int scene = scenes.scenes[i];
         const auto begin = std::chrono::steady_clock::now();
-        marches(scenes.form, scenes.packs)(scenes.tables[scene], scenes.states[scene],
+        marches(scenes.form, scenes.shape)(scenes.tables[scene], scenes.states[scene],
                                            scenes.targets[scene]);
         scenes.seconds[scene] =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -18,8 +18,8 @@ namespace ra2d::test {
 /// one after the other by the marches of the host, so the bits are theirs, or by those of a test.
 class SeparateDevice : public Device {
  public:
-  /// Which march a form and a number of packs have.
-  using Marches = MarchScene (*)(Form, int packs);
+  /// Which march a form has for a shape of its teams.
+  using Marches = MarchScene (*)(Form, const TeamShape&);
   /// `memory`: bytes that it has.
   explicit SeparateDevice(std::size_t memory = std::size_t{1} << 40, Marches marches = march_of)
       : left_{memory}, marches_{marches} {}

@@ -21,6 +21,7 @@
 #include "host/device/backend.hpp"
 #include "host/device/device.hpp"
 #include "host/device/fill.hpp"
+#include "host/device/layout.hpp"
 #include "host/device/marches.hpp"
 #include "host/device/memory.hpp"
 #include "host/device/scene_memory.hpp"
@@ -40,9 +41,7 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-const int width = backend_lanes();
-
-int packs_of(const Model& model, int least) {
+TeamShape shape_of(const Model& model, int least_packs) {
   const int modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
   if (modes > most_modes)
     throw RequestError(
@@ -51,8 +50,9 @@ int packs_of(const Model& model, int least) {
                     modes, most_modes));
   // of many nodes the bounds of a footprint leave far fewer to be looked at, with few modes, too
   constexpr int many_nodes = 4096;
-  if (model.is_areal && model.nodes() >= many_nodes) least = std::max(least, least_footprint_packs);
-  return compiled_packs(std::max({least, 1, (modes + width - 1) / width}));
+  if (model.is_areal && model.nodes() >= many_nodes)
+    least_packs = std::max(least_packs, least_footprint_packs);
+  return compiled_shape(form_of(model.scene), std::max(modes, least_packs * backend_lanes()));
 }
 
 }  // namespace
@@ -62,16 +62,16 @@ int packs_of(const Model& model, int least) {
 struct BatchSlot {
   Model model;
   Capacity capacity;
-  int packs = 0;
+  TeamShape shape;
   Extents extents;
   SceneMemory memory;
   SceneTables tables;
   SceneState state;
   double seconds = 0, processor = 0;  // of the latest launch
 
-  BatchSlot(const Model& model_, const ModalStart& start, int packs_, const Capacity& capacity_,
-            BatchMemory& batch)
-      : model{model_}, capacity{capacity_}, packs{packs_}, memory{batch} {
+  BatchSlot(const Model& model_, const ModalStart& start, const TeamShape& shape_,
+            const Capacity& capacity_, BatchMemory& batch)
+      : model{model_}, capacity{capacity_}, shape{shape_}, memory{batch} {
     // to grow later takes all tables a second time: a share of a large map's nodes at once
     constexpr int share = 2048, most = 2048;
     if (model.is_areal)
@@ -119,8 +119,7 @@ struct BatchSlot {
   void restore(const SavedState& saved) {
     Capacity saved_capacity = capacity;
     saved_capacity.nodes = std::max(1, saved.node_capacity);
-    const Extents n =
-        extents_of(model, choose_series(model, width), packs * width, width, saved_capacity);
+    const Extents n = extents_for(saved_capacity);
     if (const std::string fault = fault_of(saved, n, model.steps, model.samples); !fault.empty())
       throw std::invalid_argument(fault);
     take(saved);
@@ -162,13 +161,14 @@ struct BatchSlot {
   }
 
  private:
-  void find_extents() {
-    extents = extents_of(model, choose_series(model, width), packs * width, width, capacity);
+  Extents extents_for(const Capacity& wanted) const {
+    return extents_of(model, choose_series(model, shape.width), shape.modes(), shape.width, wanted);
   }
+  void find_extents() { extents = extents_for(capacity); }
 
   void provide(const ModalStart& start, bool beyond_limit) {
     memory.provide(tables, state, extents, beyond_limit, [&](const HostCopy& copy) {
-      fill(tables, model, choose_series(model, width), extents, copy);
+      fill(tables, model, choose_series(model, shape.width), extents, copy);
       fill(state, model, start, extents, copy);
     });
     if (memory.on_host()) tables.interrupted = interruption_flag();
@@ -251,7 +251,7 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
     if (memory.device == nullptr) {
       const auto begin = Clock::now();
       const double processor = thread_seconds();
-      march_of(scene.tables.scheme.form, scene.packs)(scene.tables, scene.state,
+      march_of(scene.tables.scheme.form, scene.shape)(scene.tables, scene.state,
                                                       goals[static_cast<std::size_t>(slot)]);
       scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
       scene.processor = thread_seconds() - processor;
@@ -261,17 +261,17 @@ void Batch::Impl::launch(const std::vector<int>& list, const std::vector<std::in
   });
 }
 
-/// The scenes of each form and number of packs together, side by side with the others.
+/// The scenes of each form and shape together, side by side with the others.
 void Batch::Impl::launch_on_device(const std::vector<int>& list,
                                    const std::vector<std::int64_t>& goals, double seconds) {
   Launched& l = *launched;
   DeviceQueue& queue = *memory.queue;
-  std::map<std::pair<Form, int>, std::vector<int>> groups;
+  std::map<std::pair<Form, TeamShape>, std::vector<int>> groups;
   for (const int slot : list) {
     const auto i = static_cast<std::size_t>(slot);
     l.tables_here[i] = at(slot).tables;
     l.states_here[i] = at(slot).state;
-    groups[{at(slot).tables.scheme.form, at(slot).packs}].push_back(slot);
+    groups[{at(slot).tables.scheme.form, at(slot).shape}].push_back(slot);
   }
   l.scenes_here.clear();
   for (const auto& [kind, members] : groups)
@@ -341,7 +341,7 @@ int Batch::slots() const { return static_cast<int>(impl_->slots.size()); }
 void Batch::put(int slot, const Model& model, const ModalStart& start) {
   std::optional<BatchSlot>& place = impl_->slots.at(static_cast<std::size_t>(slot));
   place.reset();
-  place.emplace(model, start, packs_of(model, impl_->options.least_packs), impl_->options.capacity,
+  place.emplace(model, start, shape_of(model, impl_->options.least_packs), impl_->options.capacity,
                 impl_->memory);
 }
 
@@ -412,7 +412,8 @@ Snapshot Batch::snapshot(int slot) const {
   out.energy = s.carried.energy.latest;
   out.energy_limit = s.carried.energy.limit;
   double deflection_work = 0;
-  for (int lane = 0; lane < width; ++lane) deflection_work += s.out.now.deflection_work_part[lane];
+  for (int lane = 0; lane < scene.shape.width; ++lane)
+    deflection_work += s.out.now.deflection_work_part[lane];
   out.sliding_work = s.carried.sums.sliding_work +
                      scene.model.advance * (s.carried.sums.face_work_part + deflection_work);
   out.force_work = s.carried.sums.force_work + s.carried.sums.force_part;

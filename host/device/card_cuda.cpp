@@ -71,7 +71,7 @@ std::size_t free_memory() {
 
 int multiprocessors() { return properties().multiProcessorCount; }
 
-/// Most marches take all registers that a thread can have (docs/gpu.md), and each scene is a warp.
+/// Most marches take all registers that a thread can have (docs/gpu.md), and a warp for each scene.
 int scenes_at_once() {
   constexpr int registers = 256 * LanesOf<Kokkos::Cuda>::width;
   return multiprocessors() * std::max(1, properties().regsPerMultiprocessor / registers);

@@ -5,17 +5,18 @@
 #include <memory>
 #include <string>
 
+#include "host/device/marches.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
 /// A device with memory of its own. Nothing else in ra2d knows how bytes come there or back.
 namespace ra2d {
 
-/// Scenes of one form and one number of packs, to be marched in one launch. All addresses are of
-/// the device.
+/// Scenes of one form and one shape of their teams, to be marched in one launch. All addresses are
+/// of the device.
 struct ScenesToMarch {
   Form form = Form::semi_implicit;
-  int packs = 0;
+  TeamShape shape;
   int count = 0;
   const int* scenes = nullptr;  // which of those below
   const SceneTables* tables = nullptr;

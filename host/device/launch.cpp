@@ -7,35 +7,44 @@
 namespace ra2d {
 namespace {
 
-/// Calls `use` with the form and the number of packs as constants.
-template <Form form, class Use, int... K>
-void choose_packs(int packs, const Use& use, PackList<K...>) {
-  if (!((K == packs && (use.template operator()<form, K>(), true)) || ...))
-    throw std::logic_error("no march was compiled for that many packs");
+/// Calls `use` with the form and the shape as constants.
+template <Form form, class Use, TeamShape... S>
+void choose_shape(const TeamShape& shape, const Use& use, ShapeList<S...>) {
+  if (!((S == shape && (use.template operator()<form, S>(), true)) || ...))
+    throw std::logic_error("no march was compiled for such a team");
 }
 template <class Use>
-void choose(Form form, int packs, const Use& use) {
+void choose_form(Form form, const Use& use) {
   switch (form) {
     case Form::semi_implicit:
-      return choose_packs<Form::semi_implicit>(packs, use, Packs{});
+      return use.template operator()<Form::semi_implicit>();
     case Form::staged:
-      return choose_packs<Form::staged>(packs, use, Packs{});
+      return use.template operator()<Form::staged>();
     case Form::implicit:
-      return choose_packs<Form::implicit>(packs, use, Packs{});
+      return use.template operator()<Form::implicit>();
     case Form::adaptive:
-      return choose_packs<Form::adaptive>(packs, use, Packs{});
+      return use.template operator()<Form::adaptive>();
   }
+}
+template <class Use>
+void choose(Form form, const TeamShape& shape, const Use& use) {
+  choose_form(form, [&]<Form f>() { choose_shape<f>(shape, use, Shapes<f>{}); });
 }
 
 }  // namespace
 
-int compiled_packs(int needed) { return Packs::smallest(needed); }
+TeamShape compiled_shape(Form form, int modes) {
+  TeamShape shape;
+  choose_form(form, [&]<Form f>() { shape = Shapes<f>::smallest(modes); });
+  return shape;
+}
 
 #if defined(KOKKOS_ENABLE_CUDA)
 void launch_march(const Space& space, const ScenesToMarch& scenes) {
-  choose(scenes.form, scenes.packs, [&]<Form f, int K>() { march_listed<f, K>(space, scenes); });
+  choose(scenes.form, scenes.shape,
+         [&]<Form f, TeamShape S>() { march_listed<f, S>(space, scenes); });
 }
-MarchScene march_of(Form, int) {
+MarchScene march_of(Form, const TeamShape&) {
   throw std::logic_error("a build for a GPU has no marches for the host");
 }
 #else
@@ -58,11 +67,11 @@ struct HostMarch {
 
 void launch_march(const Space& space, const ScenesToMarch& scenes) {
   Kokkos::parallel_for("ra2d::march", Kokkos::TeamPolicy<Space>(space, scenes.count, 1),
-                       HostMarch{march_of(scenes.form, scenes.packs), scenes});
+                       HostMarch{march_of(scenes.form, scenes.shape), scenes});
 }
-MarchScene march_of(Form form, int packs) {
+MarchScene march_of(Form form, const TeamShape& shape) {
   MarchScene march = nullptr;
-  choose(form, packs, [&]<Form f, int K>() { march = march_one<f, K>; });
+  choose(form, shape, [&]<Form f, TeamShape S>() { march = march_one<f, S>; });
   return march;
 }
 #endif

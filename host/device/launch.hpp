@@ -2,6 +2,7 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 
@@ -23,28 +24,42 @@ inline constexpr bool marches_on_gpu = LanesOf<Space>::vector_length > 1;
 /// Each to its target, a team each.
 void launch_march(const Space& space, const ScenesToMarch& scenes);
 
-template <Form form, int K>
+template <Form form, TeamShape shape>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target);
-template <Form form, int K>
+template <Form form, TeamShape shape>
 void march_listed(const Space& space, const ScenesToMarch& scenes);
 
-template <int... K>
-struct PackList {
-  static constexpr int at(int i) { return std::array{K...}[i]; }
-  static int smallest(int needed) {
-    int packs = 0;
-    (void)((K >= needed && (packs = K, true)) || ...);
-    return packs;
+template <TeamShape... S>
+struct ShapeList {
+  static constexpr TeamShape at(int i) { return std::array{S...}[static_cast<std::size_t>(i)]; }
+  static constexpr TeamShape smallest(int modes) {
+    TeamShape least{};
+    for (const TeamShape& shape : {S...})
+      if (shape.modes() >= modes && (least.packs == 0 || shape.modes() < least.modes()))
+        least = shape;
+    return least;
   }
 };
+
+/// As wide as a GPU's warp, or a pack of a CPU.
+template <int... packs>
+using WholeTeams = ShapeList<TeamShape{LanesOf<Space>::width, packs}...>;
 // up to most_modes with any width of the lanes
 #if defined(RA2D_ONE_MARCH)
-using Packs = PackList<most_modes / LanesOf<Space>::width>;
+template <Form form>
+using Shapes = WholeTeams<most_modes / LanesOf<Space>::width>;
+#elif defined(KOKKOS_ENABLE_CUDA)
+/// The steps of Form::semi_implicit are so short that much of them is work of one lane: four scenes
+/// share a warp (docs/gpu.md).
+template <Form form>
+using Shapes = std::conditional_t<form == Form::semi_implicit,
+                                  ShapeList<TeamShape{32, 1}, TeamShape{32, 2}, TeamShape{32, 4},
+                                            TeamShape{32, 8}, TeamShape{8, 3}>,
+                                  WholeTeams<1, 2, 4, 8> >;
 #else
-using Packs = std::conditional_t<
-    LanesOf<Space>::width == 32, PackList<1, 2, 4, 8>,
-    std::conditional_t<LanesOf<Space>::width == 8, PackList<1, 3, 8, 32>,
-                       PackList<2, 6, 16, most_modes / LanesOf<Space>::width> > >;
+template <Form form>
+using Shapes = std::conditional_t<LanesOf<Space>::width == 8, WholeTeams<1, 3, 8, 32>,
+                                  WholeTeams<2, 6, 16, most_modes / LanesOf<Space>::width> >;
 #endif
 
 }  // namespace ra2d

@@ -6,27 +6,29 @@
 namespace ra2d {
 
 #if defined(KOKKOS_ENABLE_CUDA)
-template <Form form, int K>
+template <Form form, TeamShape shape>
 void march_listed(const Space& space, const ScenesToMarch& l) {
-  March<Space, form, K>{l.tables, l.states,  l.scenes,
-                        l.count,  l.targets, static_cast<std::uint64_t>(1e9 * l.most_seconds),
-                        l.seconds}
+  using Lanes = LanesOf<Space>::type<shape.width>;
+  March<Space, Lanes, form, shape.packs>{
+      l.tables, l.states,  l.scenes,
+      l.count,  l.targets, static_cast<std::uint64_t>(1e9 * l.most_seconds),
+      l.seconds}
       .launch(space, l.multiprocessors);
 }
-/// Compiles the march of one form for the i-th number of packs.
+/// Compiles the march of one form for the i-th shape.
 #define RA2D_MARCH(form, i) \
-  template void march_listed<form, Packs::at(i)>(const Space&, const ScenesToMarch&)
+  template void march_listed<form, Shapes<form>::at(i)>(const Space&, const ScenesToMarch&)
 #else
-template <Form form, int K>
+template <Form form, TeamShape shape>
 void march_one(const SceneTables& tables, SceneState& state, std::int64_t target) {
-  march_scene<HostLanes, form, K>(HostLanes(tables.modes.count), tables, state, target);
+  march_scene<HostLanes, form, shape.packs>(HostLanes(tables.modes.count), tables, state, target);
 }
-/// Compiles the march of one form for the i-th number of packs.
+/// Compiles the march of one form for the i-th shape.
 #define RA2D_MARCH(form, i) \
-  template void march_one<form, Packs::at(i)>(const SceneTables&, SceneState&, std::int64_t)
+  template void march_one<form, Shapes<form>::at(i)>(const SceneTables&, SceneState&, std::int64_t)
 #endif
 
-/// Compile it for the lower and the upper half of these numbers: half a form a file.
+/// Compile it for few and for many modes, and for teams that share a warp: each a file.
 #define RA2D_MARCH_FEW(form) \
   RA2D_MARCH(form, 0);       \
   RA2D_MARCH(form, 1)
@@ -37,5 +39,6 @@ void march_one(const SceneTables& tables, SceneState& state, std::int64_t target
   RA2D_MARCH(form, 2);        \
   RA2D_MARCH(form, 3)
 #endif
+#define RA2D_MARCH_SHARED(form) RA2D_MARCH(form, 4)
 
 }  // namespace ra2d

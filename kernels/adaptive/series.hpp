@@ -479,7 +479,7 @@ class ModalSeries {
 
   /// Contacts whose sums over many packs of modes are found at once: one by itself waits for each
   /// addition.
-  static constexpr int at_once = packs > 3 && width < 32 ? 2 : 1;
+  static constexpr int at_once = packs > 3 && !Lanes::on_gpu ? 2 : 1;
 
   /// The modes' terms of the orders j + 1 to j - 3, for the orders j and j + 1 of what follows from
   /// them: of few packs in registers, of many where the series stands.

@@ -33,8 +33,9 @@ class ClusteredContact {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
   static constexpr int row = packs * width, column = cluster_rows * row;
-  /// Whether a square has room for a group.
-  static constexpr bool fits = width <= square_nodes;
+  /// Whether there can be squares: each has room for a group, and modes are many enough for them to
+  /// save anything (cluster_degree(), host/device/layout.hpp).
+  static constexpr bool fits = width <= square_nodes && packs > 3;
 
  public:
   RA2D_FUNCTION ClusteredContact(const Lanes& lanes, const SceneTables& tables, SceneState& state,

@@ -24,6 +24,7 @@ namespace ra2d {
 template <bool counts>
 class ListedNodes {
  public:
+  ListedNodes() = default;  // an empty one, which has come to its end
   KOKKOS_FORCEINLINE_FUNCTION explicit ListedNodes(const ContactForecast& plan)
       : count_{plan.count},
         left_{plan.steps},
@@ -53,14 +54,19 @@ class ListedNodes {
     force_sum_ += (force - most);
     return covered;
   }
-  KOKKOS_FORCEINLINE_FUNCTION void take_step() { --left_; }
+  KOKKOS_FORCEINLINE_FUNCTION void take_step() {
+    --left_;
+    ++made_;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void end() { left_ = 0; }
 
-  /// Steps for which it may serve yet.
+  /// Steps for which it may serve yet, and those for which it did.
   KOKKOS_FORCEINLINE_FUNCTION int left() const { return left_; }
+  KOKKOS_FORCEINLINE_FUNCTION int made() const { return made_; }
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
 
  private:
-  int count_ = 0, left_ = 0, steps_ = 0;
+  int count_ = 0, left_ = 0, made_ = 0, steps_ = 0;
   double free_departure_ = 0.0, departure_per_newton_ = 0.0;
   double force_sum_ = 0.0, double_force_sum_ = 0.0;  // N: of the forces, and of these sums
 };

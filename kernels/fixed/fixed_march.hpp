@@ -35,6 +35,7 @@ template <class Lanes, Form form, int packs>
 class FixedMarch {
   using Real = typename Lanes::Real;
   static constexpr int width = Lanes::width;
+  using List = ListedNodes<form == Form::implicit>;
   static constexpr bool can_keep = keeps_lists<Lanes, packs> && form != Form::implicit;
 
  public:
@@ -107,34 +108,34 @@ class FixedMarch {
 
   /// Marches until step `target`, the end of the scene or of the time, a full buffer, an interrupt
   /// or a failure, whichever is first.
+  ///
+  /// All that lies between two lists of nodes is one branch of one loop: so scenes that share a
+  /// warp make their steps in contact together, whenever their lists end.
   KOKKOS_FORCEINLINE_FUNCTION void run(std::int64_t target) {
     const std::int64_t stop =
         target < tables_.output.total_steps ? target : tables_.output.total_steps;
-    while (state_.carried.status == Status::running) {
-      int listed = -1;
-      if (keeps() && recorder_.samples_at(now_.step)) {
-        // the contact that a sample finds serves the step from there, too
-        listed = kept_nodes().find(now_.u, now_.v, Place(tables_.motion, now_.step));
-        if (listed < 0) [[unlikely]] {
-          lack_room();
-          break;
-        }
+    const auto w = integrate_.weights();
+    List nodes;
+    bool searches = false;  // the next step, instead of making a list
+    Motion<Lanes, packs> y = now_;
+    Place place(tables_.motion, y.step);
+    recorder_.begin_stretch();
+    while (true) {
+      lanes_.meet_in_warp();
+      if (nodes.left() == 0 || !can_record_shocks()) {
+        now_ = y;  // of which calls take the address: y stays in registers
+        const bool listed = march_to_list(stop, searches, nodes);
+        y = now_;
+        if (!listed) break;
+        place = Place(tables_.motion, y.step);
       }
-      if (!recorder_.take_sample(now_, candidates_, listed)) break;
-      if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
-        recorder_.check_energy(now_);
-      if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
-          is_interrupted(tables_.interrupted) || lanes_.time_is_up())
-        break;
-      const std::int64_t next = recorder_.next_event(now_.step, stop);
-      recorder_.begin_stretch();
-      if (tables_.bounds.searched == Nodes::all)
-        march_all(next);
-      else if (keeps())
-        march_on_kept_lists(next);
-      else
-        march_candidates(next);
-      recorder_.end_stretch();
+      place.move_to(tables_.motion, y.step);
+      if (contact_step_(y, w, place, nodes, recorder_)) {
+        nodes.take_step();
+      } else {  // the list does not cover this step
+        searches = nodes.made() == 0;
+        nodes.end();
+      }
     }
     const bool done = state_.carried.status == Status::running &&
                       now_.step == tables_.output.total_steps && recorder_.is_complete();
@@ -155,6 +156,7 @@ class FixedMarch {
   FixedRecorder<Lanes, form, packs> recorder_;
   ContactStep<Lanes, form, packs> contact_step_;
   Motion<Lanes, packs> now_;
+  std::int64_t next_ = 0;  // the step to which this stretch of the record goes
 
   KOKKOS_FORCEINLINE_FUNCTION bool can_record_shocks() const {
     return ra2d::can_record_shocks(state_.out.ended_shocks, state_.work.runs);
@@ -200,6 +202,30 @@ class FixedMarch {
     lanes_.sync();
   }
 
+  /// Writes what is due at this step, and begins a stretch of the record to where the next is.
+  /// False where the launch ends.
+  RA2D_FUNCTION bool begin_stretch(std::int64_t stop) {
+    if (state_.carried.status != Status::running) return false;
+    int listed = -1;
+    if (keeps() && recorder_.samples_at(now_.step)) {
+      // the contact that a sample finds serves the step from there, too
+      listed = kept_nodes().find(now_.u, now_.v, Place(tables_.motion, now_.step));
+      if (listed < 0) [[unlikely]] {
+        lack_room();
+        return false;
+      }
+    }
+    if (!recorder_.take_sample(now_, candidates_, listed)) return false;
+    if (now_.step % longest_flight == 0 || now_.step == tables_.output.total_steps)
+      recorder_.check_energy(now_);
+    if (state_.carried.status != Status::running || now_.step >= stop || !can_record_shocks() ||
+        is_interrupted(tables_.interrupted) || lanes_.time_is_up())
+      return false;
+    next_ = recorder_.next_event(now_.step, stop);
+    recorder_.begin_stretch();
+    return true;
+  }
+
   // ---- every node at every step
 
   RA2D_FUNCTION void march_all(std::int64_t next) {
@@ -242,19 +268,62 @@ class FixedMarch {
     lanes_.sync();
   }
 
-  RA2D_FUNCTION void march_candidates(std::int64_t next) {
-    while (now_.step < next && can_record_shocks() && state_.carried.status == Status::running) {
-      const ContactForecast plan =
-          candidates_.forecast_contact(now_.u, now_.v, now_.step, next, recorder_.usual_force());
-      if (plan.kind == ContactForecast::flight)
-        fly(plan.steps);
-      else if (plan.kind == ContactForecast::search ||
-               (!march_listed(plan) && state_.carried.status == Status::running)) {
-        const std::int64_t before = now_.step;
-        march_with_search(1);
-        if (now_.step == before) break;  // it failed, or was interrupted
+  /// Marches to where nodes are listed for the steps to come. False where the launch ends before.
+  /// `searches`: for the next step a list is of no use.
+  RA2D_FUNCTION bool march_to_list(std::int64_t stop, bool& searches, List& nodes) {
+    count_evaluated(nodes);
+    nodes = List();
+    bool stretch_ends = now_.step >= next_ || !can_record_shocks();
+    while (true) {
+      if (stretch_ends) {
+        recorder_.end_stretch();
+        if (!begin_stretch(stop)) return false;
+      }
+      const std::int64_t before = now_.step;
+      stretch_ends = true;
+      if (tables_.bounds.searched == Nodes::all) {
+        march_all(next_);
+      } else if (keeps()) {
+        march_on_kept_lists(next_);
+      } else {
+        if (march_by_forecast(searches, nodes)) return true;
+        // without a step it failed, or was interrupted
+        stretch_ends = now_.step >= next_ || now_.step == before || !can_record_shocks() ||
+                       state_.carried.status != Status::running;
       }
     }
+  }
+  /// A flight, a list for the steps to come, or a step that searches. Returns whether it is a list.
+  RA2D_FUNCTION bool march_by_forecast(bool& searches, List& nodes) {
+    if (!searches) {
+      const ContactForecast plan =
+          candidates_.forecast_contact(now_.u, now_.v, now_.step, next_, recorder_.usual_force());
+      if (plan.kind == ContactForecast::flight) {
+        fly(plan.steps);
+        return false;
+      }
+      if (plan.kind == ContactForecast::listed) {
+        const Place place(tables_.motion, now_.step);
+        if (!candidates_.has_room(plan.count) ||
+            !contact_.expand(place, state_.work.listed_nodes, plan.count)) [[unlikely]] {
+          lack_room();
+          return false;
+        }
+        nodes = List(plan);
+        return true;
+      }
+    }
+    searches = false;
+    march_with_search(1);
+    return false;
+  }
+  /// Counts what was evaluated of a list.
+  RA2D_FUNCTION void count_evaluated(const List& nodes) {
+    const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // of a step
+    if (lanes_.leader())
+      state_.carried.sums.evaluated +=
+          static_cast<std::int64_t>(nodes.made()) * nodes.count() * states;
+    lanes_.sync();
   }
 
   /// Steps that provably have no contact.
@@ -311,31 +380,6 @@ class FixedMarch {
         now_.add_squares(lanes_);
       }
     }
-  }
-
-  /// Steps that evaluate the listed nodes. False when the list did not cover even one, or there is
-  /// no room for it.
-  RA2D_FUNCTION bool march_listed(const ContactForecast& plan) {
-    Place place(tables_.motion, now_.step);
-    if (!candidates_.has_room(plan.count) ||
-        !contact_.expand(place, state_.work.listed_nodes, plan.count)) [[unlikely]] {
-      lack_room();
-      return false;
-    }
-    const auto w = integrate_.weights();
-    Motion<Lanes, packs> y = now_;
-    ListedNodes<form == Form::implicit> nodes(plan);
-    while (nodes.left() > 0 && can_record_shocks()) {
-      place.move_to(tables_.motion, y.step);
-      if (!contact_step_(y, w, place, nodes, recorder_)) break;
-      nodes.take_step();
-    }
-    const std::int64_t done = y.step - now_.step;
-    now_ = y;
-    const int states = form == Form::implicit ? 1 : tables_.scheme.stages;  // evaluated in a step
-    if (lanes_.leader()) state_.carried.sums.evaluated += done * nodes.count() * states;
-    lanes_.sync();
-    return done > 0;
   }
 };
 

@@ -15,9 +15,9 @@ static_assert(pack_width == LanesOf<Space>::width);
 /// Numbers of packs that are compared: a few, so that sums go over several; and of a warp one,
 /// which is enough for the paper's scenes.
 #if defined(KOKKOS_ENABLE_CUDA)
-inline constexpr std::array plain_packs{Packs::at(0), Packs::at(1)};
+inline constexpr std::array plain_packs{1, 2};
 #else
-inline constexpr std::array plain_packs{Packs::at(1)};
+inline constexpr std::array plain_packs{Shapes<Form::staged>::at(1).packs};
 #endif
 
 /// The march of production on lanes that are nothing but doubles, with the i-th of these numbers.

@@ -24,7 +24,8 @@ namespace {
 
 constexpr int scenes_each = 16;
 
-MarchScene plain_march_for(Form form, int packs) {
+MarchScene plain_march_for(Form form, const TeamShape& shape) {
+  const int packs = shape.packs;
   if (std::find(plain_packs.begin(), plain_packs.end(), packs) == plain_packs.end())
     throw std::logic_error("no plain march for that many packs");
   switch (form) {
@@ -43,6 +44,17 @@ MarchScene plain_march_for(Form form, int packs) {
 bool fits(const Model& model, int packs) {
   return model.resonator.modes.size() + model.slider.modes.size() <=
          static_cast<std::size_t>(packs * pack_width);
+}
+
+// as many lanes as a GPU has for a form: the team that leaves fewest without a mode
+TEST(PlainLanes, AMarchIsOfTheSmallestTeamThatHasRoom) {
+  using Compiled = ShapeList<TeamShape{32, 1}, TeamShape{32, 2}, TeamShape{32, 8}, TeamShape{8, 3}>;
+  EXPECT_TRUE((Compiled::smallest(1) == TeamShape{8, 3}));
+  EXPECT_TRUE((Compiled::smallest(24) == TeamShape{8, 3}));
+  EXPECT_TRUE((Compiled::smallest(25) == TeamShape{32, 1}));
+  EXPECT_TRUE((Compiled::smallest(33) == TeamShape{32, 2}));
+  EXPECT_TRUE((Compiled::smallest(256) == TeamShape{32, 8}));
+  EXPECT_EQ(Compiled::smallest(257).packs, 0);
 }
 
 void expect_same(const Started& c, int packs, Seen& seen) {

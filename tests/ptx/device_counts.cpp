@@ -12,6 +12,8 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <span>
@@ -20,6 +22,7 @@
 #include <vector>
 
 #include "host/device/backend.hpp"
+#include "host/device/layout.hpp"
 #include "host/model/model.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "tests/ptx/march_program.hpp"
@@ -28,20 +31,24 @@
 namespace ra2d::test {
 namespace {
 
-/// A stretch of a scene: so long from the start on a CPU, then counted.
+/// A stretch of a scene: so long from the start on a CPU, then counted, for so long or for so many
+/// meetings of the lanes. Where scenes share a warp it holds others of other surfaces, too, and
+/// meetings end all of them at one time, as a GPU's clock does.
 struct Stretch {
   const char* name;
   const char* scene;
   SchemeKind scheme;
   double settle, counted;  // s
+  std::uint64_t meetings = std::numeric_limits<std::uint64_t>::max();
 };
 // both schemes sampled alike, adaptive with the same tolerance as in bench_throughput's scenes
 constexpr double rate = 1e4, tolerance = 1e-6;
 constexpr Stretch plane_stretches[] = {
     {"adaptive_free", "dang2012.toml", SchemeKind::adaptive, 1e-2, 2e-2},
     {"adaptive_pinned", "dang2012-pinned.toml", SchemeKind::adaptive, 1e-2, 4e-2},
-    {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 1e-2, 2e-3},
-    {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1e-2}};
+    {"backward_euler_free", "dang2012.toml", SchemeKind::backward_euler, 1e-2, 1.0, 2'000'000},
+    {"backward_euler_pinned", "dang2012-pinned.toml", SchemeKind::backward_euler, 1e-2, 1.0,
+     2'000'000}};
 // as long as a list of the coarse search holds: over 32 nodes (kernels/candidate_groups.hpp)
 constexpr Stretch areal_stretches[] = {
     {"areal_adaptive", "areal.toml", SchemeKind::adaptive, 1e-3, 1.024e-2},
@@ -74,6 +81,21 @@ double issued_in_step(const std::vector<std::uint64_t>& stretches, std::size_t p
   return sum / draws * scenes_in_step / scenes;
 }
 
+/// Of all scenes together.
+struct Progress {
+  double ticks = 0, adaptive_steps = 0, contact_steps = 0;
+};
+Progress progress_of(const TeamScenes& scenes) {
+  Progress sum;
+  for (SceneOnLanes* const scene : scenes) {
+    const CarriedState& carried = scene->state().carried;
+    sum.ticks += static_cast<double>(carried.step);
+    sum.adaptive_steps += static_cast<double>(carried.adaptive_steps);
+    sum.contact_steps += static_cast<double>(carried.sums.contact_steps);
+  }
+  return sum;
+}
+
 nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {
   Scene scene = read_scene(scenes / stretch.scene);
@@ -83,18 +105,29 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   else if (scene.kind == SceneKind::areal)
     scene.time.step = areal_step;
   scene.output.rate = rate;
-  const Model model = make_model(scene);
-  SceneOnLanes lanes(model, make_start(model), RA2D_TEST_PACKS);
-  CarriedState& carried = lanes.state().carried;
-  const auto begin = std::llround(stretch.settle / model.tick);
-  while (carried.step < begin && carried.status == Status::running) {
-    march_on_pack(lanes, begin);
-    lanes.state().out.samples.count = lanes.state().out.ended_shocks.count = 0;
-  }
-  const std::int64_t ticks = carried.step, adaptive_steps = carried.adaptive_steps,
-                     touching = carried.sums.contact_steps;
-  const Program& program = programs.of(lanes.tables().scheme.form);
-  PtxWarp warp = warp_for(program, lanes, PtxWarp::Order::in_step);
+  std::vector<std::unique_ptr<SceneOnLanes>> scenes_there;
+  TeamScenes teams;
+  std::int64_t begin = 0, end = 0;
+  do {
+    const Model model = make_model(scene);
+    const TeamShape shape = shape_of(form_of(scene));
+    teams.push_back(
+        scenes_there.emplace_back(std::make_unique<SceneOnLanes>(model, make_start(model), shape))
+            .get());
+    SceneState& state = teams.back()->state();
+    begin = std::llround(stretch.settle / model.tick);
+    end = begin + std::llround(stretch.counted / model.tick);
+    while (state.carried.step < begin && state.carried.status == Status::running) {
+      march_on_pack(*teams.back(), begin);
+      state.out.samples.count = state.out.ended_shocks.count = 0;
+    }
+    scene.resonator.surface.seed += 2;
+    scene.slider.surface.seed += 2;
+  } while (teams.size() * static_cast<std::size_t>(teams.back()->shape().width) < warp_width);
+  const Progress before = progress_of(teams);
+  const Form form = form_of(scene);
+  const Program& program = programs.of(form);
+  PtxWarp warp = warp_for(program, teams, PtxWarp::Order::in_step);
   warp.check_races(false);
   // what one of 1056 scenes has of an H100's caches, about; and one of 132
   ModelCache cache64{64 << 10}, cache512{512 << 10};
@@ -102,17 +135,19 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
     warp.add_cache(cache64);
     warp.add_cache(cache512);
   }
-  march(warp, lanes, begin + std::llround(stretch.counted / model.tick));
-  const double steps = static_cast<double>(stretch.scheme == SchemeKind::adaptive
-                                               ? carried.adaptive_steps - adaptive_steps
-                                               : carried.step - ticks);
+  march(warp, teams, end, stretch.meetings);
+  const Progress after = progress_of(teams);
+  const double ticks = after.ticks - before.ticks;
+  const double steps =
+      form == Form::adaptive ? after.adaptive_steps - before.adaptive_steps : ticks;
   std::ofstream lines;
   if (lines_folder != nullptr)
     lines.open(std::filesystem::path(lines_folder) / (std::string(stretch.name) + ".lines"));
-  double all = 0, loads = 0, distinct = 0;
+  double all = 0, loads = 0, distinct = 0, at_work = 0;
   for (std::size_t k = 0; k < warp.counts().size(); ++k) {
     const auto times = static_cast<double>(warp.counts()[k]);
     all += times;
+    at_work += static_cast<double>(warp.lanes()[k]) / warp_width;
     distinct += 1.0 - std::pow(1.0 - std::min(1.0, times / steps), scenes_in_step);
     if (program.instructions()[k].kind == Instruction::Kind::load) loads += times;
     if (lines.is_open()) lines << program.instructions()[k].line << ' ' << warp.counts()[k] << '\n';
@@ -120,12 +155,12 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
   if (lines_folder != nullptr && !lines.flush())
     throw std::runtime_error(fmt::format("{} cannot be written to", lines_folder));
   nlohmann::ordered_json counts = {
-      {"march", MarchPrograms::name(lanes.tables().scheme.form)},
+      {"march", MarchPrograms::name(form)},
       {"counted", steps},
-      {"in_contact", static_cast<double>(carried.sums.contact_steps - touching) /
-                         static_cast<double>(carried.step - ticks)},
+      {"in_contact", (after.contact_steps - before.contact_steps) / ticks},
       {"ptx_instructions", all / steps},
       {"distinct_instructions", distinct},
+      {"lanes_at_work", at_work / all},
       {"loads", loads / steps},
       {"sums", static_cast<double>(warp.reductions()) / steps},
       {"local_bytes", program.local_bytes()}};

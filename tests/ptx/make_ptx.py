@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""PTX of the marches, one file a form, for the interpreter in tests/ptx: of --packs packs of 32
-modes, usually one.
+"""PTX of the marches, one file a form, for the interpreter in tests/ptx: of teams for 24 or 32
+modes, or with --packs of whole warps for so many packs of 32.
 
 usage: make_ptx.py [--jobs N] [--packs N] BUILD FOLDER [FORM...]
 
@@ -22,6 +22,8 @@ import sys
 
 # Form in kernels/tables.hpp; the longest first
 FORMS = ["implicit", "adaptive", "staged", "semi_implicit"]
+# Lanes of a team and packs of modes, as test_ptx and device_counts take them (march_program.hpp)
+SHAPES = {"semi_implicit": (8, 3)}
 SOURCE = pathlib.Path(__file__).resolve().parent / "march.cu"
 
 
@@ -41,10 +43,11 @@ def flags_of(build):
 
 def make(build, flags, form, packs, out):
     """Compiles one form."""
+    width, packs = (32, packs) if packs else SHAPES.get(form, (32, 1))
     wrapper = build / "_deps/kokkos-src/bin/nvcc_wrapper"
     options = [wrapper, "--show", *flags, "-O3", "-lineinfo", f"-DRA2D_PTX_FORM={form}",
-               f"-DRA2D_PTX_PACKS={packs}", "-DRA2D_PTX_PORTABLE_FUNCTIONS",
-             "-c", SOURCE, "-o", out]
+               f"-DRA2D_PTX_WIDTH={width}", f"-DRA2D_PTX_PACKS={packs}",
+               "-DRA2D_PTX_PORTABLE_FUNCTIONS", "-c", SOURCE, "-o", out]
     shown = subprocess.run([str(word) for word in options], cwd=build,
                            capture_output=True, text=True)
     if shown.returncode != 0:
@@ -65,7 +68,7 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("forms", nargs="*", choices=[*FORMS, []], default=[])
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--packs", type=int, default=1)
+    parser.add_argument("--packs", type=int)
     options = parser.parse_args()
     build, folder = options.build.resolve(), options.folder.resolve()
     flags = flags_of(build)

@@ -23,17 +23,21 @@ const Program& MarchPrograms::of(Form form) {
   return read_.emplace(form, Program::read(folder_ + "/" + name(form) + ".ptx")).first->second;
 }
 
-PtxWarp warp_for(const Program& program, SceneOnLanes& scene, PtxWarp::Order order) {
-  PtxWarp warp(program, order);
-  for (const SceneOnLanes::Array& array : scene.arrays())
-    warp.allow(array.name, array.begin, array.bytes, array.writable);
+PtxWarp warp_for(const Program& program, const TeamScenes& scenes, PtxWarp::Order order) {
+  PtxWarp warp(program, order, scenes.front()->shape().width);
+  for (int team = 0; team < static_cast<int>(scenes.size()); ++team)
+    for (const SceneOnLanes::Array& array : scenes[static_cast<std::size_t>(team)]->arrays())
+      warp.allow(array.name, array.begin, array.bytes, array.writable, team);
   return warp;
 }
 
-void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target, std::uint64_t most) {
-  warp.run({reinterpret_cast<std::uint64_t>(&scene.tables()),
-            reinterpret_cast<std::uint64_t>(&scene.state()), static_cast<std::uint64_t>(target),
-            most});
+void march(PtxWarp& warp, const TeamScenes& scenes, std::int64_t target, std::uint64_t most) {
+  std::vector<std::vector<std::uint64_t>> parameters;
+  for (SceneOnLanes* const scene : scenes)
+    parameters.push_back({reinterpret_cast<std::uint64_t>(&scene->tables()),
+                          reinterpret_cast<std::uint64_t>(&scene->state()),
+                          static_cast<std::uint64_t>(target), most});
+  warp.run(parameters);
 }
 
 }  // namespace ra2d::test

@@ -6,7 +6,9 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "host/device/marches.hpp"
 #include "tests/ptx/interpreter.hpp"
 #include "tests/warp/scene_on_lanes.hpp"
 
@@ -29,10 +31,18 @@ class MarchPrograms {
   std::map<Form, Program> read_;
 };
 
-/// A warp that may touch what a scene has. It runs what `program` holds.
-PtxWarp warp_for(const Program& program, SceneOnLanes& scene, PtxWarp::Order order);
-/// Marches the scene to a target, or until so many meetings of the lanes are over.
-void march(PtxWarp& warp, SceneOnLanes& scene, std::int64_t target,
+/// How a GPU marches a form: scenes with up to 24 or 32 modes, and areal ones (RA2D_TEST_PACKS).
+constexpr TeamShape shape_of(Form form) {
+  if (RA2D_TEST_PACKS > 1) return {warp_width, RA2D_TEST_PACKS};
+  return form == Form::semi_implicit ? TeamShape{8, 3} : TeamShape{warp_width, 1};
+}
+
+/// Scenes, each of a team of its own.
+using TeamScenes = std::vector<SceneOnLanes*>;
+/// A warp whose teams may touch what their scenes have. It runs what `program` holds.
+PtxWarp warp_for(const Program& program, const TeamScenes& scenes, PtxWarp::Order order);
+/// Marches the scenes to a target, or until so many meetings of lanes are over.
+void march(PtxWarp& warp, const TeamScenes& scenes, std::int64_t target,
            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace ra2d::test

@@ -172,6 +172,15 @@ void add_bits(Table& table, const std::string& type) {
   }>;
   if constexpr (sizeof(T) >= 4) {
     table["popc." + type] = compute<[](T a) { return std::popcount(a); }>;
+    // `length` bits of a, in place of those of b from `begin` on
+    table["bfi." + type] = compute<[](T a, T b, std::uint32_t begin, std::uint32_t length) {
+      constexpr std::uint32_t bits = 8 * sizeof(T);
+      begin &= 0xFF;
+      length &= 0xFF;
+      if (begin >= bits || length == 0) return b;
+      const T mask = (length >= bits ? ~T(0) : (T(1) << length) - 1) << begin;
+      return (b & ~mask) | (a << begin & mask);
+    }>;
     table["clz." + type] = compute<[](T a) { return std::countl_zero(a); }>;
     table["brev." + type] = compute<[](T a) {
       T reversed = 0;

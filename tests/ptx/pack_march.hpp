@@ -6,8 +6,8 @@
 
 namespace ra2d::test {
 
-/// Marches a scene of RA2D_TEST_PACKS packs, as wide as a warp, on a thread, with the functions
-/// that both share (portable_functions.hpp).
+/// Marches a scene on a thread, with packs as wide as its team (march_program.hpp) and the
+/// functions that both share (portable_functions.hpp).
 void march_on_pack(SceneOnLanes& scene, std::int64_t target);
 
 // one form each, in files of their own

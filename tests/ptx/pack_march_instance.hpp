@@ -6,13 +6,16 @@
 #include "tests/pack.hpp"
 //
 #include "kernels/march.hpp"
+#include "tests/ptx/march_program.hpp"
 #include "tests/ptx/pack_march.hpp"
 
 namespace ra2d::test {
 
 template <Form form>
 void march_form(SceneOnLanes& scene, std::int64_t target) {
-  march_scene<PackLanes, form, RA2D_TEST_PACKS>(PackLanes(), scene.tables(), scene.state(), target);
+  constexpr TeamShape shape = shape_of(form);
+  using Lanes = PackLanesOf<shape.width>;
+  march_scene<Lanes, form, shape.packs>(Lanes(), scene.tables(), scene.state(), target);
 }
 
 }  // namespace ra2d::test

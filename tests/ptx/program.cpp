@@ -230,7 +230,8 @@ class Program::Parser {
     if (unpacks) {
       const auto to = parts_of(inside(operands[0]), ',');
       if (to.size() != 2) fault("two halves were expected");
-      i.result = {named(to[0]), named(to[1])};
+      i.result[0] = named(to[0]);
+      i.result[1] = named(to[1]);
     } else {
       i.result[0] = named(operands[0]);
     }
@@ -244,8 +245,8 @@ class Program::Parser {
     bool of_parameter = false;
     if (operands.size() != 2) fault("an address and a value were expected");
     for (std::size_t k = 1; k + 1 < words.size(); ++k) {
-      if (words[k] == "v2")
-        i.values = 2;
+      if (words[k] == "v2" || words[k] == "v4")
+        i.values = words[k] == "v2" ? 2 : 4;
       else if (words[k] == "local")
         i.local = true;
       else if (words[k] == "param" && loads)
@@ -266,7 +267,7 @@ class Program::Parser {
     i.kind = loads ? Instruction::Kind::load : Instruction::Kind::store;
     read_address(i, address);
     const std::string& value = operands[loads ? 0 : 1];
-    const auto values = i.values == 2 ? parts_of(inside(value), ',') : std::vector{value};
+    const auto values = i.values > 1 ? parts_of(inside(value), ',') : std::vector{value};
     if (values.size() != static_cast<std::size_t>(i.values)) fault("as many values were expected");
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (loads)
@@ -303,13 +304,15 @@ class Program::Parser {
     const auto [found, fresh] = registers_.try_emplace(name, 0);
     if (!fresh) return found->second;
     // what is read before it is written shows in the results
-    LaneBits first = in_all_lanes(0xDEADBEEFDEADBEEF);
+    found->second = add_register(in_all_lanes(0xDEADBEEFDEADBEEF));
     if (name == "%tid.x")
-      for (std::uint64_t lane = 0; lane < warp_width; ++lane) first[lane] = lane;
+      program_.lane_ = found->second;
+    else if (name == "%tid.y")
+      program_.team_ = found->second;
+    else if (name == "%globaltimer")
+      program_.clock_ = found->second;
     else if (name.find('.') != std::string::npos)
       fault("this register is not known here");
-    found->second = add_register(first);
-    if (name == "%globaltimer") program_.clock_ = found->second;
     return found->second;
   }
   int add_register(const LaneBits& first) {

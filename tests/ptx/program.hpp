@@ -44,8 +44,8 @@ struct Instruction {
 
   Kind kind = Kind::value;
   Compute compute = nullptr;     // value
-  std::array<int, 4> operand{};  // registers; of a load and a store the first is the address
-  std::array<int, 2> result{};   // registers
+  std::array<int, 5> operand{};  // registers; of a load and a store the first is the address
+  std::array<int, 4> result{};   // registers
   int guard = -1;                // register of the predicate; -1: always
   bool guard_negated = false;
   int target = 0;           // branch: index of an instruction
@@ -76,6 +76,9 @@ class Program {
   int local_begin() const { return local_begin_; }
   /// The register of the clock; -1: it is not read.
   int clock() const { return clock_; }
+  /// The registers of a lane's place in its team, and of the team's in the warp; -1: not read.
+  int lane() const { return lane_; }
+  int team() const { return team_; }
   std::size_t local_bytes() const { return local_bytes_; }
   /// "line 12 (fixed_march.hpp:34): bar.warp.sync -1;"
   std::string place(const Instruction& instruction) const;
@@ -92,7 +95,7 @@ class Program {
   std::vector<LaneBits> registers_;
   std::vector<int> parameters_;
   std::map<int, std::string> files_;
-  int local_begin_ = -1, clock_ = -1;
+  int local_begin_ = -1, clock_ = -1, lane_ = -1, team_ = -1;
   std::size_t local_bytes_ = 0;
 };
 

@@ -15,6 +15,7 @@
 namespace ra2d::test {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -52,7 +53,7 @@ Outcome run(const std::string& body, Order order = Order::in_step,
   PtxWarp warp(program, order);
   warp.allow("values", outcome.values.data(), sizeof outcome.values, true);
   warp.ignore(ignored);
-  warp.run({reinterpret_cast<std::uint64_t>(outcome.values.data())});
+  warp.run({{reinterpret_cast<std::uint64_t>(outcome.values.data())}});
   outcome.races = warp.races();
   outcome.counts = warp.counts();
   outcome.reductions = warp.reductions();
@@ -223,6 +224,60 @@ $L__BB0_2:
   EXPECT_EQ(all, 5 + 1 + 1 + 30 + 2 + 4 + 1);
 }
 
+/// Teams of eight lanes: each has its own exchanges, and goes round a loop as often as its first
+/// value says. In the loop those that still do so go on together.
+TEST(Interpreter, TeamsOfAWarpGoOnTogetherWhereTheyMeet) {
+  const std::string text = R"(.version 9.0
+.visible .entry march(
+	.param .u64 march_param_0, .param .u64 march_param_1
+)
+{
+	ld.param.u64 	%rd1, [march_param_0];
+	ld.param.u32 	%r9, [march_param_1];
+	mov.u32 	%r1, %tid.x;
+	mov.u32 	%r2, %tid.y;
+	mul.wide.u32 	%rd9, %r1, 8;  add.s64 %rd2, %rd1, %rd9;
+	shl.b32 	%r3, %r2, 3;
+	shl.b32 	%r4, 255, %r3;
+	mov.u32 	%r5, 0;
+	bra.uni 	$L__BB0_2;
+$L__BB0_1:
+	add.s32 	%r5, %r5, 1;
+	shfl.sync.bfly.b32 %r6|%p5, %r1, 1, 6175, %r4;
+	shfl.sync.down.b32 %r7|%p5, %r6, 1, 6175, %r4;
+$L__BB0_2:
+	bar.sync 	0;
+	setp.lt.s32 	%p1, %r5, %r9;
+	@%p1 bra 	$L__BB0_1;
+	cvt.rn.f64.s32 	%fd1, %r7;
+	st.global.f64 	[%rd2], %fd1;
+	ret;
+}
+)";
+  for (const Order order : orders) {
+    const Program program(text);
+    std::array<std::array<double, 8>, 4> values{};
+    PtxWarp warp(program, order, 8);
+    ASSERT_EQ(warp.teams(), 4);
+    std::vector<std::vector<std::uint64_t>> parameters;
+    const std::uint64_t rounds[] = {3, 5, 1, 2};
+    for (int team = 0; team < 4; ++team) {
+      warp.allow("values", values[team].data(), sizeof values[team], true, team);
+      parameters.push_back({reinterpret_cast<std::uint64_t>(values[team].data()), rounds[team]});
+    }
+    warp.run(parameters);
+    for (const auto& of_team : values) EXPECT_THAT(of_team, ElementsAre(0, 3, 2, 5, 4, 7, 6, 6));
+    std::uint64_t adds = 0;
+    for (std::size_t k = 0; k < program.instructions().size(); ++k)
+      if (program.instructions()[k].opcode == "add.s32") adds += warp.counts()[k];
+    if (order == Order::in_step) {
+      EXPECT_EQ(adds, 5);  // as often as the one with most rounds
+    }
+    parameters[1][0] = parameters[0][0];  // what another team has
+    EXPECT_THROW(warp.run(parameters), WarpFault);
+  }
+}
+
 TEST(Interpreter, AMissingSyncIsARaceInAnyOrder) {
   // the first lane writes what all read
   const std::string reads = "ld.global.f64 %fd1, [%rd1];\n";
@@ -293,7 +348,8 @@ $L__BB0_1:
     EXPECT_THAT(said_of(one_ended, order), HasSubstr("has ended, and others are to meet"));
     EXPECT_THAT(said_of("@%p1 bra $L__BB0_1;\n bar.sync 0;\n$L__BB0_1:", order),
                 HasSubstr("has ended, and others are to meet"));
-    EXPECT_THAT(said_of("bar.warp.sync 1;", order), HasSubstr("a meeting of some lanes alone"));
+    EXPECT_THAT(said_of("bar.warp.sync 1;", order),
+                HasSubstr("a meeting of other lanes than a team's"));
   }
 }
 
@@ -318,7 +374,7 @@ TEST(Interpreter, ACacheMissesWhatItNeverSawAndWhatItHadToDrop) {
     PtxWarp warp(program);
     warp.allow("values", values.data(), sizeof values, false);
     warp.add_cache(cache);
-    warp.run({reinterpret_cast<std::uint64_t>(values.data())});
+    warp.run({{reinterpret_cast<std::uint64_t>(values.data())}});
     EXPECT_EQ(cache.missed_bytes(), sizeof values);  // then it has them
   }
   ModelCache one_set(16 * ModelCache::sector);

@@ -8,19 +8,21 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "host/device/layout.hpp"
 #include "tests/adaptive.hpp"
 #include "tests/outcomes.hpp"
 #include "tests/ptx/march_program.hpp"
 #include "tests/ptx/pack_march.hpp"
 #include "tests/schemes.hpp"
 
-/// The marches as nvcc compiles them, on the lanes of a warp: the bits of a pack of 32, no races,
-/// no access outside the scene's arrays, no meeting that some lanes miss. RA2D_TEST_PTX names the
-/// folder with the PTX (make_ptx.py).
+/// The marches as nvcc compiles them, on the lanes of a warp, which one scene has, or several: the
+/// bits of packs as wide as a scene's team, no races, no access outside a scene's arrays, no
+/// meeting that some lanes miss. RA2D_TEST_PTX names the folder with the PTX (make_ptx.py).
 namespace ra2d::test {
 namespace {
 
@@ -39,22 +41,36 @@ class PtxMarch : public testing::TestWithParam<Form> {
     if (std::getenv("RA2D_TEST_PTX") == nullptr) GTEST_SKIP() << "RA2D_TEST_PTX names no PTX";
   }
 
-  /// Whether a scene is of this form, and its modes are no more than there are lanes.
-  static bool fits(const Started& c) {
-    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) return false;
-    return SceneOnLanes(c.model, c.start, 1).tables().scheme.form == GetParam();
+  static TeamShape shape() { return shape_of(GetParam()); }
+  static int teams() { return warp_width / shape().width; }
+  static bool has_lanes_for(const Started& c) {
+    return c.model.resonator.modes.size() + c.model.slider.modes.size() <=
+           static_cast<std::size_t>(shape().modes());
   }
-  /// Marches a scene on a pack and on a warp, in two launches, and compares.
-  static void expect_same(const Started& c, std::int64_t steps, Seen& seen) {
-    SceneOnLanes pack(c.model, c.start, 1), lanes(c.model, c.start, 1);
-    PtxWarp warp = warp_for(program(), lanes, orders[seen.scenes % std::size(orders)]);
-    for (const std::int64_t target : {steps / 3, steps}) {
-      march_on_pack(pack, target);
-      march(warp, lanes, target);
+  /// Whether a scene is of this form, and its team has lanes for its modes.
+  static bool fits(const Started& c) {
+    return has_lanes_for(c) && form_of(c.model.scene) == GetParam();
+  }
+  /// Marches scenes on packs and on the teams of a warp, in two launches, and compares.
+  static void expect_same(const std::vector<Started>& scenes, std::int64_t steps, Seen& seen) {
+    std::vector<std::unique_ptr<SceneOnLanes>> packs, lanes;
+    TeamScenes of_warp;
+    for (const Started& c : scenes) {
+      packs.push_back(std::make_unique<SceneOnLanes>(c.model, c.start, shape()));
+      lanes.push_back(std::make_unique<SceneOnLanes>(c.model, c.start, shape()));
+      of_warp.push_back(lanes.back().get());
     }
-    EXPECT_EQ(lanes.differs_from(pack), "");
+    PtxWarp warp = warp_for(program(), of_warp, orders[seen.scenes % std::size(orders)]);
+    for (const std::int64_t target : {steps / 3, steps}) {
+      for (const auto& pack : packs) march_on_pack(*pack, target);
+      march(warp, of_warp, target);
+    }
     EXPECT_THAT(warp.races(), testing::IsEmpty());
-    seen.count(pack.state().carried.sums.contact_steps, pack.state().carried.shocks.begun);
+    for (std::size_t k = 0; k < scenes.size(); ++k) {
+      const CarriedState& carried = packs[k]->state().carried;
+      EXPECT_EQ(lanes[k]->differs_from(*packs[k]), "") << "team " << k;
+      seen.count(carried.sums.contact_steps, carried.shocks.begun);
+    }
   }
 };
 
@@ -64,17 +80,23 @@ TEST_P(PtxMarch, RandomScenesHaveTheBitsOfAPack) {
     for (std::uint64_t seed = 1; seen.scenes < 10; ++seed) {
       SCOPED_TRACE("seed " + std::to_string(seed));
       const Started c = random_adaptive_scene(seed);
-      if (fits(c)) expect_same(c, c.model.steps / 25, seen);
+      if (fits(c)) expect_same({c}, c.model.steps / 25, seen);
     }
   } else {
     for (const SchemeUnderLaw& scheme : schemes_under_laws()) {
       SCOPED_TRACE(scheme.name());
-      for (std::uint64_t seed = 1, found = 0; seed < 20 && found < 2; ++seed) {
-        SCOPED_TRACE("seed " + std::to_string(seed));
+      // two warps; where they have several teams, one of the second's has no scene
+      std::vector<Started> scenes;
+      for (std::uint64_t seed = 1, warps = 0; seed < 40 && warps < 2; ++seed) {
         const Started c = random_scene(seed, scheme.variant());
         if (!fits(c)) continue;
-        expect_same(c, longest, seen);
-        ++found;
+        scenes.push_back(c);
+        const auto wanted = static_cast<std::size_t>(teams() > 1 ? teams() - warps : 1);
+        if (scenes.size() < wanted) continue;
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        expect_same(scenes, longest, seen);
+        scenes.clear();
+        ++warps;
       }
     }
   }
@@ -98,7 +120,7 @@ TEST_P(PtxMarch, SmoothFacesHaveTheBitsOfAPack) {
       const Started c = random_scene(seed, variant);
       if (!fits(c)) continue;
       const int touching = seen.touching;
-      expect_same(c, longest / 5, seen);
+      expect_same({c}, longest / 5, seen);
       if (seen.touching > touching) break;
     }
   }
@@ -113,8 +135,11 @@ Started touching_scene(Form form, std::int64_t steps) {
   const ForceTime force = form == Form::implicit ? ForceTime::new_time : ForceTime::old_time;
   for (std::uint64_t seed = 1;; ++seed) {
     Started c = random_scene(seed, {{{{kind, force}}, ""}, 0, {}});
-    if (c.model.resonator.modes.size() + c.model.slider.modes.size() > warp_width) continue;
-    SceneOnLanes scene(c.model, c.start, 1);
+    const TeamShape shape = shape_of(form);
+    if (c.model.resonator.modes.size() + c.model.slider.modes.size() >
+        static_cast<std::size_t>(shape.modes()))
+      continue;
+    SceneOnLanes scene(c.model, c.start, shape);
     march_on_pack(scene, steps);
     if (scene.state().carried.sums.contact_steps > 0) return c;
   }
@@ -123,13 +148,13 @@ Started touching_scene(Form form, std::int64_t steps) {
 TEST_P(PtxMarch, LaunchesThatTheClockEndsHaveTheBitsOfOne) {
   const Started c = touching_scene(GetParam(), longest);
   const std::int64_t steps = GetParam() == Form::adaptive ? c.model.steps / 25 : longest;
-  SceneOnLanes whole(c.model, c.start, 1), parts(c.model, c.start, 1);
-  PtxWarp one = warp_for(program(), whole, PtxWarp::Order::in_step);
-  march(one, whole, steps);
-  PtxWarp many = warp_for(program(), parts, PtxWarp::Order::in_step);
+  SceneOnLanes whole(c.model, c.start, shape()), parts(c.model, c.start, shape());
+  PtxWarp one = warp_for(program(), {&whole}, PtxWarp::Order::in_step);
+  march(one, {&whole}, steps);
+  PtxWarp many = warp_for(program(), {&parts}, PtxWarp::Order::in_step);
   int launches = 0;
   for (; launches < 1000 && parts.state().carried.step < whole.state().carried.step; ++launches)
-    march(many, parts, steps, 100);
+    march(many, {&parts}, steps, 100);
   // but for how many nodes were looked at, and what earlier launches left behind the open shocks
   const SceneState& of = whole.state();
   parts.state().carried.sums.evaluated = of.carried.sums.evaluated;
@@ -146,9 +171,9 @@ TEST_P(PtxMarch, MissingSyncsAreNoticed) {
   constexpr std::int64_t steps = 300;
   constexpr std::size_t chosen = 30;
   const Started c = touching_scene(GetParam(), steps);
-  SceneOnLanes whole(c.model, c.start, 1);
-  PtxWarp with_all = warp_for(program(), whole, PtxWarp::Order::in_step);
-  march(with_all, whole, steps);
+  SceneOnLanes whole(c.model, c.start, shape());
+  PtxWarp with_all = warp_for(program(), {&whole}, PtxWarp::Order::in_step);
+  march(with_all, {&whole}, steps);
   std::vector<std::size_t> syncs = program().syncs();
   std::erase_if(syncs, [&](std::size_t sync) { return with_all.counts()[sync] == 0; });
   std::mt19937 random{7};
@@ -157,12 +182,12 @@ TEST_P(PtxMarch, MissingSyncsAreNoticed) {
   std::size_t noticed = 0;
   for (const std::size_t sync : syncs) {
     SCOPED_TRACE(program().place(program().instructions()[sync]));
-    SceneOnLanes scene(c.model, c.start, 1);
-    PtxWarp warp = warp_for(program(), scene, PtxWarp::Order::shuffled);
+    SceneOnLanes scene(c.model, c.start, shape());
+    PtxWarp warp = warp_for(program(), {&scene}, PtxWarp::Order::shuffled);
     warp.ignore(sync);
     bool raced = false;
     try {
-      march(warp, scene, steps);
+      march(warp, {&scene}, steps);
     } catch (const WarpFault&) {  // what it read too early led it astray
       raced = true;
     }

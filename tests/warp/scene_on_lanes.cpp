@@ -10,22 +10,21 @@
 
 #include "host/device/fill.hpp"
 #include "host/device/layout.hpp"
-#include "tests/reductions.hpp"
 
 namespace ra2d::test {
 namespace {
 
-int packs_for(const Model& model) {
+int packs_for(const Model& model, int width) {
   const auto modes = static_cast<int>(model.resonator.modes.size() + model.slider.modes.size());
-  return (modes + warp_width - 1) / warp_width;
+  return (modes + width - 1) / width;
 }
 
 }  // namespace
 
-SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int least_packs)
-    : packs_{std::max(packs_for(model), least_packs)} {
-  const PatchSeries series = choose_series(model, warp_width);
-  n_ = extents_of(model, series, packs_ * warp_width, warp_width, Capacity());
+SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int least_packs, int width)
+    : packs_{std::max(packs_for(model, width), least_packs)} {
+  const PatchSeries series = choose_series(model, width);
+  n_ = extents_of(model, series, packs_ * width, width, Capacity());
   // padding between members is compared, too
   std::memset(static_cast<void*>(&state_), 0, sizeof state_);
   new (&state_) SceneState();

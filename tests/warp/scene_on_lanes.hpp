@@ -4,20 +4,26 @@
 #include <string>
 #include <vector>
 
+#include "host/device/marches.hpp"
 #include "host/model/model.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
+#include "tests/reductions.hpp"
 
 namespace ra2d::test {
 
-/// A scene at its start, laid out for 32 lanes, in memory of its own.
+/// A scene at its start, laid out for 32 lanes or fewer, in memory of its own.
 class SceneOnLanes {
  public:
-  /// Its modes are padded to `least_packs` packs of 32 at the least.
-  SceneOnLanes(const Model& model, const ModalStart& start, int least_packs);
+  /// Its modes are padded to `least_packs` packs of `width` at the least.
+  SceneOnLanes(const Model& model, const ModalStart& start, int least_packs,
+               int width = warp_width);
+  SceneOnLanes(const Model& model, const ModalStart& start, const TeamShape& least)
+      : SceneOnLanes(model, start, least.packs, least.width) {}
   SceneOnLanes(const SceneOnLanes&) = delete;
 
   int packs() const { return packs_; }
+  TeamShape shape() const { return {n_.width, packs_}; }
   const SceneTables& tables() const { return tables_; }
   SceneState& state() { return state_; }
 

@@ -57,6 +57,7 @@ class Warp {
 struct FiberLanes {
   using Real = double;
   static constexpr int width = warp_width;
+  static constexpr bool on_gpu = true;
   using Where = std::source_location;
 
   Warp& warp;
@@ -86,6 +87,7 @@ struct FiberLanes {
   bool leader() const { return lane == 0; }
   static void prefetch(const double*) {}
   static void meet_scenes() {}
+  static void meet_in_warp() {}
   static constexpr bool time_is_up() { return false; }
   void sync(const Where& where = Where::current()) const {
     warp.meet(lane, Warp::Meeting::sync, where);
