@@ -6,10 +6,11 @@
 //
 // Cases: METHOD/PAPER/SCENES, both readings of the paper with other surfaces in every scene, from t
 // = 0 on: the adaptive scheme at 1e-6 over a second, and the paper's backward Euler at 10 ns over
-// 10 ms, with samples at 10 kHz; and the former with samples at 100 kHz, which are 56 MB for each
-// second that is simulated. They are run as a study runs them: on a GPU two crews take turns, on a
-// CPU each thread has its scenes. Counters: `simulated`, seconds simulated in a second of wall time
-// from the first launch to the last one; `shocks` begun in such a second; `whole`, seconds
+// 10 ms, with samples at 10 kHz; the former with samples at 100 kHz, which are 56 MB for each
+// second that is simulated; and on a GPU the latter with a warp for each scene, where otherwise
+// four share one (docs/gpu.md). They are run as a study runs them: on a GPU two crews take turns,
+// on a CPU each thread has its scenes. Counters: `simulated`, seconds simulated in a second of wall
+// time from the first launch to the last one; `shocks` begun in such a second; `whole`, seconds
 // simulated in a second of all that it takes, making scenes ready included; `at_once`, scenes that
 // one launch marched.
 //
@@ -84,7 +85,7 @@ class Runs {
 };
 
 void time_throughput(benchmark::State& state, Paper paper, const Method& method, double duration,
-                     double rate, int scenes) {
+                     double rate, bool whole_warps, int scenes) {
   const bool on_gpu = !backend_device().empty();
   for (auto _ : state) {
     const Clock::time_point begin = Clock::now();
@@ -98,6 +99,7 @@ void time_throughput(benchmark::State& state, Paper paper, const Method& method,
       SimulationOptions options{.slots = on_gpu ? (scenes + crews - 1) / crews : 1};
       options.batch.memory = backend_memory() / static_cast<std::size_t>(crews);
       if (on_gpu) options.batch.capacity = capacity_on_a_gpu;
+      if (whole_warps) options.batch.least_packs = 1;
       Simulation simulation(options);
       simulation.run([&](std::size_t) { return runs.next(); });
       at_once += simulation.most_at_once();
@@ -129,10 +131,13 @@ void add_cases() {
     const char* name;
     Method method;
     double duration, rate;  // s, Hz
+    bool whole_warps = false;
   };
-  const Setting settings[] = {{"adaptive", adaptive, 1.0, 1e4},
-                              {"backward-euler", fixed, 0.01, 1e4},
-                              {"adaptive-100kHz", adaptive, 1.0, 1e5}};
+  std::vector<Setting> settings = {{"adaptive", adaptive, 1.0, 1e4},
+                                   {"backward-euler", fixed, 0.01, 1e4},
+                                   {"adaptive-100kHz", adaptive, 1.0, 1e5}};
+  if (!backend_device().empty())
+    settings.push_back({"backward-euler-whole-warps", fixed, 0.01, 1e4, true});
   // a GPU is full with some thousands; on a CPU more than a few for each thread tell nothing new
   const int most = backend_device().empty() ? 4 * backend_threads() : 16384;
   for (const Setting& setting : settings)
@@ -141,10 +146,11 @@ void add_cases() {
           fmt::format("{}/{}", setting.name, paper == Paper::free_slider ? "free" : "pinned");
       for (int scenes = 1; scenes <= most; scenes *= 4)
         add(fmt::format("{}/{}", name, scenes), 1, [=](benchmark::State& state) {
-          time_throughput(state, paper, setting.method, setting.duration, setting.rate, scenes);
+          time_throughput(state, paper, setting.method, setting.duration, setting.rate,
+                          setting.whole_warps, scenes);
         });
       add(name + "/small", 1, [=](benchmark::State& state) {
-        time_throughput(state, paper, setting.method, 1e-4, setting.rate, 2);
+        time_throughput(state, paper, setting.method, 1e-4, setting.rate, setting.whole_warps, 2);
       });
     }
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What each compiled march takes of a GPU, and what that leaves room for: registers, stack, spills
-and shared memory, as ptxas says, and how many scenes, a warp each, are then in flight on a
-multiprocessor and on a card.
+and shared memory, as ptxas says, and how many scenes, of `lanes` threads each, are then in flight
+on a multiprocessor and on a card.
 
 usage: device_resources.py [--architecture sm_90] [--multiprocessors 132] [--only TEXT] [--jobs N]
                            [-o TABLE.csv] BUILD
@@ -33,7 +33,7 @@ REGISTERS, PIECE, BLOCKS = 65536, 256, 32
 
 
 def compile_march(entry, wrapper, architecture):
-    """What ptxas says of the marches of one source: {(form, packs): figures}."""
+    """What ptxas says of the marches of one source: {(form, lanes, packs): figures}."""
     words = shlex.split(entry["command"])
     words[0] = str(wrapper)
     words = [f"-arch={architecture}" if word.startswith("-arch=") else word for word in words]
@@ -47,7 +47,8 @@ def compile_march(entry, wrapper, architecture):
     for part in done.stderr.split("Compiling entry function '")[1:]:
         name = subprocess.run(["c++filt", part.split("'")[0]], capture_output=True, text=True,
                               check=True).stdout
-        march = re.search(r"ra2d::March<[^,]*, \(ra2d::Form\)(\d+), (\d+)>", name)
+        march = re.search(r"ra2d::March<[^,]*, ra2d::WarpLanes<(\d+)>, \(ra2d::Form\)(\d+), (\d+)>",
+                          name)
         if not march:
             continue
 
@@ -57,10 +58,11 @@ def compile_march(entry, wrapper, architecture):
 
         registers = number(r"Used (\d+) registers")
         pieces = -(-registers * WARP // PIECE) * PIECE
-        found[FORMS[int(march[1])], int(march[2])] = {
+        lanes, form, packs = (int(word) for word in march.groups())
+        found[FORMS[form], lanes, packs] = {
             "registers": registers, "stack": number(r"(\d+) bytes stack frame"),
             "spilled": number(r"(\d+) bytes spill stores"), "shared": number(r"(\d+) bytes smem"),
-            "constant": number(r"(\d+) bytes cmem"), "scenes": min(BLOCKS, REGISTERS // pieces)}
+            "constant": number(r"(\d+) bytes cmem"), "scenes": min(BLOCKS, REGISTERS // pieces) * (WARP // lanes)}
     return found
 
 
@@ -89,21 +91,22 @@ def main():
         for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture), entries):
             marches.update(found)
 
-    print(f"| march, {options.architecture} | modes | registers | stack, bytes | spilled, bytes | "
+    print(f"| march, {options.architecture} | modes | lanes | registers | stack, bytes | spilled, bytes | "
           "shared memory, bytes "
           f"| scenes on a multiprocessor | on {options.multiprocessors} |")
-    print("|---|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|---|")
     rows = []
-    for form, packs in sorted(marches, key=lambda march: (FORMS.index(march[0]), march[1])):
-        m = marches[form, packs]
-        rows.append([form, WARP * packs, m["registers"], m["stack"], m["spilled"], m["shared"],
+    for form, lanes, packs in sorted(
+            marches, key=lambda march: (FORMS.index(march[0]), march[1] * march[2])):
+        m = marches[form, lanes, packs]
+        rows.append([form, lanes * packs, lanes, m["registers"], m["stack"], m["spilled"], m["shared"],
                      m["scenes"],
                      m["scenes"] * options.multiprocessors])
         print("| " + " | ".join(str(cell) for cell in rows[-1]) + " |")
     if options.output:
         with options.output.open("w", newline="") as file:
             writer = csv.writer(file)
-            writer.writerow(["march", "modes", "registers", "stack", "spilled", "shared",
+            writer.writerow(["march", "modes", "lanes", "registers", "stack", "spilled", "shared",
                              "scenes_on_multiprocessor",
                              "scenes_on_card"])
             writer.writerows(rows)
