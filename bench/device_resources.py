@@ -62,7 +62,8 @@ def compile_march(entry, wrapper, architecture):
         found[FORMS[form], lanes, packs] = {
             "registers": registers, "stack": number(r"(\d+) bytes stack frame"),
             "spilled": number(r"(\d+) bytes spill stores"), "shared": number(r"(\d+) bytes smem"),
-            "constant": number(r"(\d+) bytes cmem"), "scenes": min(BLOCKS, REGISTERS // pieces) * (WARP // lanes)}
+            "constant": number(r"(\d+) bytes cmem"),
+            "scenes": min(BLOCKS, REGISTERS // pieces) * (WARP // lanes)}
     return found
 
 
@@ -91,16 +92,16 @@ def main():
         for found in pool.map(lambda e: compile_march(e, wrapper, options.architecture), entries):
             marches.update(found)
 
-    print(f"| march, {options.architecture} | modes | lanes | registers | stack, bytes | spilled, bytes | "
-          "shared memory, bytes "
+    print(f"| march, {options.architecture} | modes | lanes | registers | stack, bytes "
+          "| spilled, bytes | shared memory, bytes "
           f"| scenes on a multiprocessor | on {options.multiprocessors} |")
     print("|---|---|---|---|---|---|---|---|---|")
     rows = []
     for form, lanes, packs in sorted(
             marches, key=lambda march: (FORMS.index(march[0]), march[1] * march[2])):
         m = marches[form, lanes, packs]
-        rows.append([form, lanes * packs, lanes, m["registers"], m["stack"], m["spilled"], m["shared"],
-                     m["scenes"],
+        rows.append([form, lanes * packs, lanes, m["registers"], m["stack"], m["spilled"],
+                     m["shared"], m["scenes"],
                      m["scenes"] * options.multiprocessors])
         print("| " + " | ".join(str(cell) for cell in rows[-1]) + " |")
     if options.output:
