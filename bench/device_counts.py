@@ -10,8 +10,9 @@ adaptive and semi_implicit. A count that is more than 3 % above that of bench/de
 an error. --quick leaves out what ptxas is needed for. --renew writes the file anew: for a rise on
 purpose, and after a gain, so that it stays.
 
-Of a step: `ptx_instructions`, `loads` and
-`machine_instructions` that a warp issues (machine_code.py; `machine_error` is its share of error),
+Of a step of a scene: `ptx_instructions`, `loads` and `machine_instructions` that a warp issues
+(machine_code.py; `machine_error` is its share of error). Where scenes share a warp: over the steps
+of all of them. `lanes_at_work`: the share of the lanes that do what is issued.
 `distinct_instructions`: how many different ones of PTX are in 16 steps drawn at random. That is
 what 16 scenes that keep step make a GPU fetch, and `adaptive` waits for it (docs/gpu.md).
 `in_step_instructions`: what the one of them with most to do issues, summed over the phases of a

@@ -114,6 +114,9 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
     teams.push_back(
         scenes_there.emplace_back(std::make_unique<SceneOnLanes>(model, make_start(model), shape))
             .get());
+    // where scenes wait for one another, no line through two counts tells how they depend on the
+    // motion (bench/device_counts.py): so it is the same everywhere
+    if (shape.width < warp_width) teams.back()->round_numbers();
     SceneState& state = teams.back()->state();
     begin = std::llround(stretch.settle / model.tick);
     end = begin + std::llround(stretch.counted / model.tick);

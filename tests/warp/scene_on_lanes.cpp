@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <type_traits>
@@ -48,6 +50,25 @@ SceneOnLanes::SceneOnLanes(const Model& model, const ModalStart& start, int leas
   const HostCopy here;
   fill(tables_, model, series, n_, here);
   fill(state_, model, start, n_, here);
+}
+
+void SceneOnLanes::round_numbers() {
+  const auto round = [](const char*, auto* array, std::size_t count) {
+    using Value = std::remove_const_t<std::remove_reference_t<decltype(*array)>>;
+    if constexpr (std::is_same_v<Value, double>) {
+      auto* const values = const_cast<double*>(array);
+      // faces and shapes are many numbers: the fewer digits, the less likely is one whose last bit
+      // decides how it is rounded
+      const int dropped = count > 2000 ? 29 : 17;
+      for (std::size_t i = 0; i < count; ++i) {
+        const auto bits =
+            std::bit_cast<std::uint64_t>(values[i]) + (std::uint64_t{1} << (dropped - 1));
+        values[i] = std::bit_cast<double>(bits >> dropped << dropped);
+      }
+    }
+  };
+  visit_arrays(tables_, n_, round);
+  visit_arrays(state_.carried, n_, round);
 }
 
 std::string SceneOnLanes::differs_from(const SceneOnLanes& other) const {

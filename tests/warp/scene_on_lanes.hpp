@@ -22,6 +22,10 @@ class SceneOnLanes {
       : SceneOnLanes(model, start, least.packs, least.width) {}
   SceneOnLanes(const SceneOnLanes&) = delete;
 
+  /// Rounds the numbers of the tables and of the start to fewer digits. A sum or a sine has another
+  /// last bit on another make of processor; rounded, all have the same, and so the same motion.
+  void round_numbers();
+
   int packs() const { return packs_; }
   TeamShape shape() const { return {n_.width, packs_}; }
   const SceneTables& tables() const { return tables_; }
