@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <compare>
 #include <cstdint>
 
 #include "kernels/state.hpp"
@@ -15,7 +14,13 @@ struct TeamShape {
   int width = 0, packs = 0;
 
   constexpr int modes() const { return width * packs; }
-  friend constexpr auto operator<=>(const TeamShape&, const TeamShape&) = default;
+  // written out: nvcc leaves defaulted ones without a body
+  friend constexpr bool operator==(const TeamShape& a, const TeamShape& b) {
+    return a.width == b.width && a.packs == b.packs;
+  }
+  friend constexpr bool operator<(const TeamShape& a, const TeamShape& b) {
+    return a.width != b.width ? a.width < b.width : a.packs < b.packs;
+  }
 };
 
 /// The smallest shape for so many modes that is compiled.
