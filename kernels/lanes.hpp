@@ -16,8 +16,8 @@
 ///
 /// The formulas are written once, for a pack `Real` that holds one value a lane. On a CPU a pack is
 /// a SIMD register of one thread; on a GPU it is one double in each thread of a warp, or of a part
-/// of one, beside teams with other scenes. A sum over lanes adds in one fixed tree, so a result does
-/// not depend on threads, batch or launch.
+/// of one, beside teams with other scenes. A sum over lanes adds in one fixed tree, so a result
+/// does not depend on threads, batch or launch.
 ///
 /// Each lane of a warp runs a kernel by itself. Kernels keep these rules so that the lanes come to
 /// the bits of a pack (tests/warp checks them):
