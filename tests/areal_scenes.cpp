@@ -94,6 +94,70 @@ ArealScene fine_maps(int modes, int rows, double last_row) {
   s.gap = highest - 3e-8;
   return s;
 }
+RandomMaps random_maps(std::uint64_t seed, int most_modes, bool is_small) {
+  Dice dice(seed);
+  RandomMaps drawn;
+  ArealScene& s = drawn.scene;
+  s.plate = steel(0.06, dice.ratio(3e-4, 3e-3), 0.04, dice.one_in(4) ? 0 : dice.ratio(1e-3, 0.3),
+                  static_cast<int>(dice.ratio(1, most_modes + 1)));
+  s.plate.poisson = dice.uniform(-0.5, 0.45);
+  const Body plate = make_plate(s.plate);
+  drawn.fastest = plate.modes.back().omega;
+  drawn.duration = dice.ratio(3, is_small ? 20 : 60) / drawn.fastest;
+
+  // whole squares of nodes, and one to three rows more
+  const bool has_squares = !is_small && dice.one_in(2);
+  const int rows = has_squares ? 16 * (1 + dice.pick(2)) + dice.pick(4)
+                               : 1 + dice.pick(is_small ? 6 : 12),
+            nodes = 2 + dice.pick(is_small ? 10 : 30);
+  s.spacing = dice.ratio(2e-6, 3e-4);
+  s.spacing_y = std::min(s.spacing * dice.ratio(0.3, 3), 0.03 / rows);
+  s.block = steel((nodes - 1) * s.spacing, 5e-3, rows * s.spacing_y, 0, 0);
+  s.block.support = dice.one_in(3) ? Support::rigid : Support::free;
+  s.side = dice.one_in(4) ? 0 : dice.uniform(0, s.plate.width - s.block.width);
+
+  // any of: at rest, less than a spacing, some, many
+  const double paths[] = {0, dice.ratio(1e-3, 1), dice.ratio(1, 10), dice.ratio(10, 80)};
+  const double path = paths[dice.pick(4)];
+  s.speed = path * s.spacing / drawn.duration;
+  const double room = s.plate.length - (nodes + path) * s.spacing;
+  s.start = dice.one_in(4) ? 0 : dice.uniform(0, room);
+
+  // the plate's map up to where the block comes to
+  const double rms = dice.ratio(1e-8, 1e-5);
+  const auto first = static_cast<int>(s.start / s.spacing);
+  const HeightMap strip = rough_map(rows, nodes + static_cast<int>(path) + 3, rms, 2 * seed);
+  s.block_heights = rough_map(rows, nodes, dice.one_in(4) ? 0 : rms, 2 * seed + 1);
+  for (const std::vector<double>& row : strip) {
+    std::vector<double>& all = s.plate_heights.emplace_back(first, 0.0);
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  double highest = -1;
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < nodes; ++i)
+      highest = std::max(highest, strip[j][i] + s.block_heights[j][i]);
+  s.gap = highest + rms * dice.uniform(-0.1, 0.3);
+
+  const Body block = make_block(s.block);
+  const double mobility = largest_shape(plate) + largest_shape(block);
+  s.stiffness =
+      std::pow(drawn.fastest * dice.ratio(0.1, 2), 2) / (mobility * s.spacing * s.spacing_y);
+  const auto throw_body = [&](const Body& body, std::vector<double>& u, std::vector<double>& v) {
+    u.assign(body.modes.size(), 0.0);
+    for (const BodyMode& mode : body.modes)
+      v.push_back(dice.uniform(-1, 1) * rms * std::max(mode.omega, 3 / drawn.duration) /
+                  (mode.shape->largest() * std::sqrt(static_cast<double>(body.modes.size()))));
+  };
+  if (!dice.one_in(4)) throw_body(plate, s.plate_u, s.plate_v);
+  if (s.block.support == Support::free) {
+    s.block.load = dice.ratio(0.01, 10);
+    throw_body(block, s.block_u, s.block_v);
+  }
+  if (dice.one_in(4))
+    s.forces.push_back({dice.uniform(-5, 5), dice.ratio(1, 100), dice.uniform(0, 0.05),
+                        dice.uniform(0, s.plate.width)});
+  return drawn;
+}
 ArealScene mirrored(ArealScene scene) {
   scene.side = scene.plate.width - scene.block.width - scene.side;
   std::reverse(scene.plate_heights.begin(), scene.plate_heights.end());

@@ -43,12 +43,13 @@ std::string spread_text(const Spread& s, double unit, const char* name) {
 
 std::string shocks_text(const Analysis& a) {
   const ShockStatistics& s = a.shocks;
-  std::string text = line(
-      "shocks",
-      s.count == 0
-          ? std::string("none")
-          : fmt::format("{:.0f} a second ({}){}; at once {:.3g} on average, {} at most", s.rate,
-                        s.count, rate_interval_text(a.intervals), s.at_once_mean, s.at_once_most));
+  std::string text =
+      line("shocks",
+           s.count == 0
+               ? std::string("none")
+               : fmt::format("{:.0f} a second, {} in all{}; at once {:.3g} on average, {} at most",
+                             s.rate, s.count, rate_interval_text(a.intervals), s.at_once_mean,
+                             s.at_once_most));
   if (s.count == 0) return text;
   text += line("  duration", spread_text(s.duration, 1e-6, "us"));
   text += line("  peak force", spread_text(s.peak_force, 1, "N"));
@@ -134,7 +135,7 @@ std::string bands_text(const Analysis& a) {
     return line("third octaves", "none: the file has no motion of the modes (output.modes)");
   std::string text =
       line("third octaves",
-           fmt::format("{}dB re 1 nm/s, by midband frequency in Hz; {} to {} are carried",
+           fmt::format("{}dB re 1 nm/s, by midband frequency; bands from {} to {} Hz",
                        weighted ? "A-weighted, " : "", third_octave_name(b.number.front()),
                        third_octave_name(b.number.back())));
   const std::vector<double>& levels = weighted ? b.level_a : b.level;

@@ -96,8 +96,8 @@ SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file)
 }
 
 std::string level_text(const MicrophoneLevels& m) {
-  return m.rms > 0 ? fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa at {:g}, {:g}, {:g} m", m.lp_a,
-                                 m.lp, m.position[0], m.position[1], m.position[2])
+  return m.rms > 0 ? fmt::format("{:.2f} dB re 20 uPa, {:.2f} dB(A) at {:g}, {:g}, {:g} m", m.lp,
+                                 m.lp_a, m.position[0], m.position[1], m.position[2])
                    : "silence at " + place_text(m.position);
 }
 

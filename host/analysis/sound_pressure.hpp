@@ -91,7 +91,7 @@ struct SceneSound {
 };
 SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file);
 
-/// "61.57 dB(A), 63.15 dB re 20 uPa at 0.15, 0.1, 0.5 m".
+/// "63.15 dB re 20 uPa, 61.57 dB(A) at 0.15, 0.1, 0.5 m".
 std::string level_text(const MicrophoneLevels& microphone);
 
 MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing);

@@ -65,8 +65,9 @@ std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
 }
 
 void print_title(const Scene& scene, const RunReport& r) {
-  print("{}: {:g} s of sliding at {:g} m/s, {} steps {}\n",
-        printable(shortened(title(scene), longest_title)), r.time, scene.speed, r.steps,
+  print("{}: {:g} s {}, {} steps {}\n", printable(shortened(title(scene), longest_title)), r.time,
+        scene.speed > 0 ? fmt::format("of sliding at {:g} m/s", scene.speed) : "without sliding",
+        r.steps,
         is_adaptive(scene)
             ? fmt::format("to a tolerance of {:g}", scene.time.tolerance.value_or(usual_tolerance))
             : fmt::format("of {:g} s", scene.time.step));
@@ -109,10 +110,9 @@ void print_energy(const Scene& scene, const EnergyBalance& energy) {
 }
 
 void print_cost(const RunReport& r) {
-  print_line(
-      "cost",
-      fmt::format("{:.1f} ns a step; {:.2f} s in all, {:.3f} s of them to read the file back",
-                  r.step_seconds() * 1e9, r.wall_seconds, r.read_back_seconds));
+  print_line("cost",
+             fmt::format("{} a step; {:.2f} s in all, {:.3f} s of them to read the file back",
+                         seconds_text(r.step_seconds()), r.wall_seconds, r.read_back_seconds));
   if (const std::string device = backend_device(); !device.empty() && r.memory > 0)
     print_line("device", fmt::format("{}: this scene took {}, there is room for {} of them", device,
                                      bytes_text(r.memory), backend_memory() / r.memory));
@@ -271,6 +271,7 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
   CLI::App* command = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
   add_scene(*command, request->common, "scene file (TOML)")->required();
   add_scene_options(*command, request->common);
+  command->get_option("--quiet")->description("print nothing but errors");
   command
       ->add_option("-o,--output", request->output,
                    "result file [SCENE's name with .h5, in the current folder]")

@@ -212,11 +212,10 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
                    "the current folder]")
       ->type_name("NOISE.wav")
       ->check(path());
-  CLI::Option* bits =
-      sound->add_option("--bits", options.bits, "of a WAV's samples: 16, 24, 32, or float")
-          ->type_name("N")
-          ->check(CLI::IsMember({"16", "24", "32", "float"}))
-          ->capture_default_str();
+  CLI::Option* bits = sound->add_option("--bits", options.bits, "of a WAV's samples")
+                          ->type_name("N")
+                          ->check(CLI::IsMember({"16", "24", "32", "float"}))
+                          ->capture_default_str();
   add_sources(*sound, options);
   sound->add_option("--slow", options.slow, "how many times longer it lasts, and lower it sounds")
       ->type_name("N")

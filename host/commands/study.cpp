@@ -265,7 +265,7 @@ void add_study(CLI::App& app, ChosenCommand& chosen) {
       ->type_name("DIR")
       ->check(path());
   add_run_options(*study, *request);
-  study->add_flag("--quiet", request->quiet, "print results and errors only");
+  study->add_flag("--quiet", request->quiet, "print nothing but errors");
   add_study_status(*study, chosen);
   add_study_merge(*study, chosen);
   study->final_callback([request, study, file, &chosen] {

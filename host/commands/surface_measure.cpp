@@ -154,8 +154,7 @@ void add_surface_measure(CLI::App& surface, ChosenCommand& chosen) {
   measure->add_option("FILE", request.files, "profiles")->required()->check(path());
   add_profile_options(*measure, request.profile);
   measure
-      ->add_option("--rmr", request.profile.measure.level,
-                   "material ratio at a height in metres above the mean line, too")
+      ->add_option("--rmr", request.profile.measure.level, "also the material ratio at this height")
       ->type_name("M")
       ->check(number_from(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max(),
                           "a height in metres above the mean line, like -1e-6"));

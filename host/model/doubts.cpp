@@ -22,11 +22,40 @@ bool is_rough(const SurfaceSpec& surface) {
   return surface.kind == SurfaceKind::gaussian || surface.kind == SurfaceKind::file;
 }
 
+/// In an areal scene: compares the spring of a node with a half-space of the material under a spot
+/// as wide as the node's cell, the narrowest contact that nodes show. Contacts that are wider are
+/// softer yet, and none is wider than the slider.
+void doubt_point_stiffness(const Scene& scene, Doubts& doubts) {
+  constexpr double much_stiffer = 4, far_softer = 1e-3;
+  const double modulus = plate_contact_modulus(scene), kappa = scene.contact.stiffness;
+  if (!std::isfinite(modulus)) return;
+  if (!is_rough(scene.resonator.surface) && !is_rough(scene.slider.surface)) return;
+  const double across = scene.spacing_y.value_or(scene.spacing),
+               along = scene.faces == Faces::smooth ? across : scene.spacing;
+  const double area = along * across;
+  const double most = 2 * modulus * std::sqrt(area / M_PI) / area,  // 2 E* a of a round spot
+      least = 1.5 * modulus / (M_PI * std::max(scene.slider.length, scene.slider.width));
+  if (kappa > much_stiffer * most)
+    doubts.push_back(fmt::format(
+        "contact.stiffness = {:g} Pa/m: a node's spring is {:.2g} times as stiff as the bodies' "
+        "material under a spot as wide (E* = {:.3g} GPa, at most {:.2g} Pa/m on this spacing): "
+        "shocks are too short and too hard. 'ra2d plan' names the stiffness of Hertz's contacts",
+        kappa, kappa / most, modulus * 1e-9, most));
+  else if (kappa < far_softer * least)
+    doubts.push_back(
+        fmt::format("contact.stiffness = {:g} Pa/m: far softer than the bodies' "
+                    "material: is it in MPa/mm ({:g} Pa/m)?",
+                    kappa, kappa * 1e9));
+}
+
 /// Compares the contact stiffness with that of the bodies' materials.
 void doubt_stiffness(const Scene& scene, Doubts& doubts) {
   const ContactSettings& contact = scene.contact;
   if (contact.law != ContactLaw::penalty || contact.is_hertz) return;
-  if (scene.kind == SceneKind::areal) return;  // its asperities are no ridges
+  if (scene.kind == SceneKind::areal) {
+    doubt_point_stiffness(scene, doubts);
+    return;
+  }
   constexpr double much_stiffer = 2, far_softer = 1e-3;
   const double hertz = hertz_stiffness(scene), most = stiffest_half_space(scene);
   if (!std::isfinite(hertz)) return;  // neither body deforms
@@ -102,12 +131,14 @@ Relief relief_of(const std::vector<double>& heights, int row, double spacing) {
 /// Checks a random face; measured ones are checked where they are read.
 void doubt_roughness(const std::string& name, const BodySpec& body, const Relief& relief,
                      Doubts& doubts) {
-  constexpr double large_share = 0.05;  // of the thickness, as for measured ones
+  constexpr double large_share = 0.05, largest_share = 0.5;  // of the thickness, as measured ones
   constexpr double steep = 0.5, smooth = 1e-4;
   constexpr double most_millimetres = 0.1;  // m: larger numbers are of micrometres
   const double rq = body.surface.rq, span = relief.highest - relief.lowest;
   const std::string key = name + ".surface.rq";
-  if (body.thickness > 0 && span > large_share * body.thickness)
+  // in another unit the face would be as smooth as none is
+  const bool may_be_other = relief.slope > 1e3 * smooth || rq >= most_millimetres;
+  if (body.thickness > 0 && span > (may_be_other ? large_share : largest_share) * body.thickness)
     doubt(doubts, key, rq,
           fmt::format("the heights span {:.3g} m, and {}.thickness is {:g} m", span, name,
                       body.thickness),
@@ -137,6 +168,10 @@ void doubt_gap(const Model& model, const Relief& resonator, const Relief& slider
   if (heights > 0 && gap > most * heights)
     doubt(doubts, "scene.gap", gap,
           fmt::format("the faces rise no higher than {:.3g} m together", heights), millimetres);
+  else if (heights > 0 && gap < -held * heights)
+    doubt(doubts, "scene.gap", gap,
+          fmt::format("the faces overlap by far more than they rise, {:.3g} m together", heights),
+          millimetres);
   else if (gap != 0 && std::abs(gap) < near * rms)
     doubt(doubts, "scene.gap", gap,
           fmt::format("next to nothing beside faces of {:.3g} m, root mean square", rms),

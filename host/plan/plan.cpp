@@ -644,18 +644,22 @@ std::string describe(const Model& model, const Plan& plan) {
     text += fmt::format(
         "nodes      {} of the slider in {} rows of {}, over rows of {} of the resonator up to "
         "where "
-        "it\n           comes; {:g} um apart along, {:g} um across; delta = {:.6g} um\n",
+        "it\n           comes; {:g} um apart along, {:g} um across; mean planes {:.6g} um apart\n",
         plan.slider.nodes, model.rows, model.row_nodes(), model.row_heights(), scene.spacing * 1e6,
         model.spacing_y * 1e6, plan.delta * 1e6);
   else
     text += fmt::format(
-        "nodes      {} of the slider over {} of the resonator, {:g} um apart; delta = {:.6g} um\n",
+        "nodes      {} of the slider over {} of the resonator, {:g} um apart; mean lines {:.6g} um "
+        "apart\n",
         plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
   if (scene.contact.law == ContactLaw::penalty)
     text += fmt::format(
-        "contact    penalty, {:.3g} N/m a {}: a shock of one {} lasts {} or longer\n",
+        "contact    penalty, {:.3g} N/m a {}; half a period of {} spring: {}\n           (shocks "
+        "are "
+        "shorter where the slider passes on)\n",
         model.node_stiffness, model.has_smooth_faces() ? "cell" : "node",
-        model.has_smooth_faces() ? "whole cell" : "node", seconds_text(plan.contact_period));
+        model.has_smooth_faces() ? "a whole cell's" : "a node's",
+        seconds_text(plan.contact_period));
   else
     text += "contact    multiplier: each step ends without penetration; no spring\n";
   text += asperities_text(scene, plan.asperities) + points_text(model, plan);

@@ -99,15 +99,6 @@ double mean_radius(const Model& model, const std::vector<SummitPlace>& summits, 
   return count > 0 ? count / curvature : 0.0;
 }
 
-/// E* with the plate's material on both sides where the block has none.
-double modulus_of(const Scene& scene) {
-  if (scene.slider.young != 0) return contact_modulus(scene);
-  Scene alike = scene;
-  alike.slider.young = scene.resonator.young;
-  alike.slider.poisson = scene.resonator.poisson;
-  return contact_modulus(alike);
-}
-
 }  // namespace
 
 PointContact point_contact(double modulus, double radius, double force) {
@@ -173,7 +164,7 @@ PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
   PointContacts found;
   if (!model.is_areal || scene.contact.law != ContactLaw::penalty) return found;
   if (!(model.slider.load_force > 0) || model.slider.modes.empty()) return found;
-  found.modulus = modulus_of(scene);
+  found.modulus = plate_contact_modulus(scene);
   if (!(found.modulus > 0) || std::isinf(found.modulus)) return found;
   const double travel = scene.speed * scene.duration;
   const int places = travel > 0 ? std::clamp(static_cast<int>(most_summit_nodes / model.nodes()), 1,

@@ -15,6 +15,14 @@ double contact_modulus(const Scene& scene) {
   return 1 / compliance;
 }
 
+double plate_contact_modulus(const Scene& scene) {
+  if (scene.slider.young != 0) return contact_modulus(scene);
+  Scene alike = scene;
+  alike.slider.young = scene.resonator.young;
+  alike.slider.poisson = scene.resonator.poisson;
+  return contact_modulus(alike);
+}
+
 double hertz_stiffness(const Scene& scene) {
   return contact_modulus(scene) /
          (std::numbers::sqrt2 * std::min(scene.resonator.width, scene.slider.width));

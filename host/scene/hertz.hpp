@@ -13,6 +13,10 @@ inline constexpr double usual_poisson = 0.3;
 /// Young's modulus (only a rigid one) does not deform. Infinite where neither deforms.
 double contact_modulus(const Scene& scene);
 
+/// That of an areal scene, where a block has no Young's modulus, and counts as the plate's
+/// material.
+double plate_contact_modulus(const Scene& scene);
+
 /// The kappa [Pa/m] of `contact.stiffness = "hertz"`: E*/(sqrt(2) w), w the width of the contact
 /// strip. A ridge of curvature 1/R, pressed in by d, carries F = 4/3 kappa w sqrt(2 R) d^(3/2) on
 /// its bed of springs. A round asperity of the same curvature carries F = 4/3 E* sqrt(R) d^(3/2)

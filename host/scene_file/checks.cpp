@@ -250,7 +250,7 @@ void check_map(const std::string& name, const SurfaceSpec& surface, Document& do
   refuse(how.cutoff_s.has_value(), "cutoff_s", of_profiles);
   refuse(how.cutoff.has_value(), "cutoff", of_profiles);
   refuse(how.filter != FaceFilter::none, "filter", of_profiles);
-  refuse(!how.form.empty() && !understand_map_form(how.form), "form",
+  refuse(understand_form(how.form) && !understand_map_form(how.form), "form",
          toml_string(how.form) + " is of profiles: expected none, mean, plane or poly:N");
 }
 

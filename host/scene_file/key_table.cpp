@@ -17,7 +17,7 @@ constexpr Range air_celsius{-50, 100, true, "a number in [-50, 100)"};
 constexpr Range air_pascal{1e4, 1e6, true, "a number in [1e4, 1e6)"};
 constexpr Range hurst_exponent{0, 1, false, "a number in (0, 1)"};
 constexpr Range poisson_ratio{-1, 0.5 + std::numeric_limits<double>::epsilon(), false,
-                              "a number over -1, at most 0.5"};
+                              "a number over -1, at most 0.5 (of a plate below 0.5)"};
 constexpr std::int64_t most_modes_of_a_body = 1'000'000;
 constexpr std::int64_t most_profiles = 100'000'000;  // in a file
 constexpr std::int64_t largest_seed = std::numeric_limits<std::int64_t>::max();
@@ -236,8 +236,9 @@ const Keys<Scene>& of_scene() {
         {"areal", of_areal_scene}},
        {"faces", choice(&Scene::faces, face_choices, Faces::linear),
         has_default<Scene>("`\"smooth\"`, of areal scenes `\"linear\"`"),
-        "[splines](schemes.md#smooth-faces) through the nodes, along which contact is integrated; "
-        "or straight from node to node, with contact at the nodes, as in the paper"},
+        "how a face goes from node to node: straight, with contact at the nodes, as in the paper; "
+        "or "
+        "as a [spline](schemes.md#smooth-faces), along which contact is integrated"},
        {"initial", choice(&Scene::initial, initial_states, Initial::rest),
         has_default<Scene>("`\"static\"` where there is an equilibrium, else `\"rest\"`"),
         "how the bodies stand at t = 0"}}};

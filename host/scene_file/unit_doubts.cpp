@@ -86,7 +86,7 @@ void doubt_section(const std::string& name, const BodySpec& body, bool is_slider
   const std::string key = name + ".thickness";
   if (body.thickness > most)
     doubt(doubts, key, body.thickness,
-          fmt::format("{:.3g} times {}.length = {:g} m, which is no beam",
+          fmt::format("{:.3g} times {}.length = {:g} m, out of proportion",
                       body.thickness / body.length, name, body.length),
           millimetres);
   else if (body.length > slender * body.thickness)

@@ -133,7 +133,8 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law)
     }
   }
   if (fitted.empty())
-    throw RequestError("no law: no dimension of this study is of two positive numbers or more");
+    throw RequestError(
+        "no law: it takes a key that the study varies over two positive numbers or more");
   return fitted;
 }
 

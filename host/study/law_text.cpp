@@ -35,6 +35,7 @@ std::string law_text(const StudyLaw& law) {
     formula += fmt::format(" 20 x {:.3f} log10({}) +", e.value, e.name);
   formula += fmt::format(" {:.2f} dB", law.constant);
   if (law.of.levels != nullptr) formula += fmt::format(" re {}", law.of.reference_text);
+  formula += ", of values in SI units";
   std::string text = fmt::format("  {:<17}{}\n", "law", formula);
   for (const Exponent& e : law.exponents)
     text += std::isnan(e.low)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "host/base/errors.hpp"
@@ -16,6 +17,7 @@
 #include "host/surface/random_map.hpp"
 #include "host/surface/random_profile.hpp"
 #include "host/surface/sum.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
@@ -141,6 +143,13 @@ void doubt_between(const std::filesystem::path& file, const HeightMap& map, cons
         "points, {:.4g} m apart: shorter waves are cut. A scene.spacing nearer to the points shows "
         "them",
         file.string(), along.spacing, slope, 100 * (1 - slope / own), along.own));
+  for (const auto& [axis, which, key] :
+       {std::tuple{&along, "points along x", "spacing"}, std::tuple{&across, "rows", "spacing_y"}})
+    if (axis->own > usual_faces::coarse_nodes * axis->spacing)
+      doubts.push_back(
+          fmt::format("{}: its {} are {:.6g} m apart, {:.0f} nodes of the scene: is "
+                      "its {} in metres?",
+                      file.string(), which, axis->own, axis->own / axis->spacing, key));
   if (along.own <= along.spacing && across.own <= across.spacing) return;
   const double miss = map_spline_miss(map),
                rms = std::sqrt(

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double highest_in_metres = 1e-3;  // m, peak to valley of numbers without a unit
 constexpr double much_tilt = 0.5;           // of the mean square height
+constexpr double widest_spacing = 1e-3;     // m, of points that show a rough face
 
 [[noreturn]] void refuse_map(const std::filesystem::path& file, const std::string& why) {
   throw RequestError(fmt::format("{}: {}", file.string(), why));
@@ -116,7 +117,13 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
   fill_map_gaps(map, how.fill, name);
   remove_map_form(map, how.form);
   subtract_map_mean(map);
-  if (doubts == nullptr || how.form.degree >= 1) return;
+  if (doubts == nullptr) return;
+  if (std::max(map.spacing, map.spacing_y) > widest_spacing)
+    doubts->push_back(
+        fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: are "
+                    "--spacing and --spacing-y in metres?",
+                    name, map.spacing, map.spacing_y));
+  if (how.form.degree >= 1) return;
   HeightMap level = map;
   remove_map_form(level, {1});
   if (mean_square(level) < (1 - much_tilt) * mean_square(map))

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
 #include "host/base/text.hpp"
+#include "host/base/units.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/text_dialect.hpp"
 
@@ -36,28 +38,45 @@ struct MatrixHeader {
   std::optional<double> spacing, spacing_y;  // m
 };
 
-/// The length behind "NAME = ", as write_height_map has it; nothing where there is none.
-std::optional<double> length_of(std::string_view line, std::string_view name) {
-  const std::size_t at = line.find(name);
-  if (at == line.npos) return {};
-  line.remove_prefix(at + name.size());
-  const std::size_t end = line.find(" m");
-  if (end == line.npos) return {};
-  const auto value = to_number(line.substr(0, end));
-  if (!value || !(*value > 0) || !std::isfinite(*value)) return {};
-  return value;
+/// Reads "spacing = 8 um" or "spacing_y = 8 um": an entry of the header, between commas or
+/// semicolons.
+void read_spacing(const std::filesystem::path& file, std::string_view entry, std::size_t number,
+                  MatrixHeader& header) {
+  const std::size_t sign = entry.find_first_of("=:");
+  if (sign == entry.npos) return;
+  std::string name(trimmed(entry.substr(0, sign), " \t#%;*/\""));
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (name != "spacing" && name != "spacing_y") return;
+  const std::string text(trimmed(entry.substr(sign + 1), " \t\r\n\""));
+  const NumberWithUnit length = read_quantity(text, "m");
+  const double metres = length.value.value_or(0);
+  if (!(metres > 0) || !std::isfinite(metres))
+    throw RequestError(fmt::format("{}: {} = {}{}: expected a length, {}", line_place(file, number),
+                                   name, quoted(std::string_view(text)),
+                                   length.fault.empty() ? "" : ", which " + length.fault,
+                                   quantity_examples("m")));
+  std::optional<double>& of_header = name == "spacing" ? header.spacing : header.spacing_y;
+  if (of_header && *of_header != metres)
+    throw RequestError(fmt::format("{}: {} = {} m here and {} m before: expected one",
+                                   line_place(file, number), name, metres, *of_header));
+  of_header = metres;
 }
 
 void read_matrix_header(const std::filesystem::path& file, std::string_view line,
                         std::size_t number, MatrixHeader& header) {
-  if (const auto spacing = length_of(line, "spacing = ")) header.spacing = spacing;
-  if (const auto spacing = length_of(line, "spacing_y = ")) header.spacing_y = spacing;
+  for (std::string_view rest = line; !rest.empty();) {
+    const std::size_t end = std::min(rest.find_first_of(",;"), rest.size());
+    read_spacing(file, rest.substr(0, end), number, header);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
   for (const auto word : bracketed(line)) {
     const auto unit = to_unit(word), before = to_unit(header.unit);
     if (!unit) continue;
     if (before && before->metres != unit->metres)
       throw RequestError(fmt::format(
-          "{}: the header names {} here and {} in line {}: expected one unit, that of the heights",
+          "{}: the header names {} here and {} in line {}: expected one unit, that of the heights, "
+          "and a row of them in each line (a profile, or a list of points, is no map)",
           line_place(file, number), unit->name, before->name, header.unit_line));
     header.unit = word;
     header.unit_line = number;
@@ -128,8 +147,9 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
   map.spacing_y = header.spacing_y;
   map.unit = to_unit(header.unit);
   if (map.nx < 2)
-    throw RequestError(fmt::format("{}: one number, expected a row of heights in each line",
-                                   line_place(file, header.lines + 1)));
+    throw RequestError(
+        fmt::format("{}: one number, expected a row of heights in each line (a profile is no map)",
+                    line_place(file, header.lines + 1)));
   ProfileLines lines(file, longest_row);
   TextFields fields;
   std::string scratch;

@@ -419,6 +419,10 @@ TEST_F(MeasuredMaps, OfOtherSpacingsAreDoubted) {
   EXPECT_THAT(doubts("fine.txt", 2e-5, 3e-4),
               Contains(AllOf(HasSubstr("fine.txt"), HasSubstr("nodes 0.0001 m apart show"),
                              HasSubstr("A scene.spacing nearer to the points"))));
+  EXPECT_THAT(doubts("wide.txt", 5e-3, 1e-1),
+              AllOf(Contains(HasSubstr("points along x are 0.005 m apart, 50 nodes")),
+                    Contains(HasSubstr("rows are 0.005 m apart, 25 nodes")),
+                    Contains(HasSubstr("in metres?"))));
 }
 
 // ---- what is refused

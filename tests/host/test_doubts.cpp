@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Doubts, TheIssuesOwnSlips) {
   EXPECT_THAT(said("dang2012", {"resonator.thickness=3"}),
-              Contains(AllOf(HasSubstr("resonator.thickness = 3 m"), HasSubstr("is no beam"),
+              Contains(AllOf(HasSubstr("resonator.thickness = 3 m"), HasSubstr("out of proportion"),
                              HasSubstr("is it in mm (0.003 m)?"))));
   EXPECT_THAT(said("dang2012", {"slider.density=8.5"}),
               Contains(HasSubstr("slider.density = 8.5 kg/m^3: lighter than foam: is it in g/cm^3 "
@@ -113,6 +113,45 @@ TEST(Doubts, SayWhichUnitWasMeant) {
                   "slider.surface.peaks[0].half_width = 0.2 m: wider than the body is long")));
   EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=2e-5}]"}),
               Contains(HasSubstr("falls between nodes")));
+}
+
+TEST(Doubts, AnArealContactAgainstItsMaterial) {
+  const auto of = [&](const std::string& kappa, const std::string& other = "time.nodes='all'") {
+    return said("areal", {"contact.stiffness=" + kappa, "scene.spacing=1e-4", other});
+  };
+  // a spot as wide as a cell of 100 um has a = 100 um/sqrt(pi), E* = 115.4 GPa: 1.3e15 Pa/m
+  EXPECT_THAT(of("5.1e15"), Not(Contains(HasSubstr("contact.stiffness"))));
+  EXPECT_THAT(of("5.3e15"),
+              Contains(AllOf(HasSubstr("contact.stiffness = 5.3e+15 Pa/m: a node's spring is 4.1 "
+                                       "times as stiff"),
+                             HasSubstr("E* = 115 GPa, at most 1.3e+15 Pa/m"))));
+  // rows closer than that: of smooth faces their distance counts
+  EXPECT_THAT(of("5.3e15", "scene.spacing_y=2.5e-5"),
+              Not(Contains(HasSubstr("contact.stiffness"))));
+  EXPECT_THAT(said("areal", {"contact.stiffness=5.3e15", "scene.spacing=1e-5", "slider.length=1e-3",
+                             "slider.width=4e-3", "scene.spacing_y=1e-4", "scene.faces='smooth'"}),
+              Contains(HasSubstr("a node's spring")));
+  EXPECT_THAT(of("1e16", "contact.law='multiplier'"),
+              Not(Contains(HasSubstr("contact.stiffness"))));
+  EXPECT_THAT(of("1e7"), Contains(HasSubstr("is it in MPa/mm (1e+16 Pa/m)?")));
+}
+
+TEST(Doubts, AGapThatPressesTheFacesFarIntoOneAnother) {
+  const auto of = [](const std::string& gap) {
+    return said("areal", {"scene.spacing=1e-4", "slider.support='rigid'", "slider.load=0",
+                          "scene.initial='rest'", "scene.gap=" + gap});
+  };
+  EXPECT_THAT(of("-0.1"), Contains(AllOf(HasSubstr("scene.gap = -0.1 m"), HasSubstr("overlap"),
+                                         HasSubstr("is it in mm (-0.0001 m)?"))));
+  EXPECT_THAT(of("-1e-4"), Not(Contains(HasSubstr("scene.gap = -"))));
+}
+
+/// In millimetres 8 um would be a face that no sheet metal has.
+TEST(Doubts, OrdinaryRoughnessOfThinSheetIsNone) {
+  EXPECT_THAT(said("dang2012", {"resonator.thickness=1e-3"}),
+              Not(Contains(HasSubstr("resonator.surface.rq"))));
+  EXPECT_THAT(said("dang2012", {"resonator.surface.rq=2e-4"}),
+              Contains(HasSubstr("resonator.surface.rq")));
 }
 
 TEST(Doubts, OfTheRepositorysScenesThereIsNoneButTheStiffness) {

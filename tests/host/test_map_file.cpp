@@ -232,6 +232,33 @@ TEST_F(MapFile, TextUnitsAndSpacingsOfTheHeader) {
   EXPECT_THAT(fault("1e-7 2e-7\n3e-7 4e-7\n", {}), HasSubstr("--spacing"));
 }
 
+TEST_F(MapFile, TextSpacingsOfTheHeaderInEveryUnit) {
+  const std::string rows = "1e-7 2e-7\n3e-7 4e-7\n";
+  for (const char* header :
+       {"# spacing = 50 um\n", "# z [m], spacing = 0.05 mm, spacing_y = 50 um\n",
+        "% Spacing: 5e-5m; other = 3\n", "\"spacing\" = \"50 um\"\n"}) {
+    const HeightMap map = read(header + rows, {});
+    EXPECT_EQ(map.spacing, 5e-5) << header;
+    EXPECT_EQ(map.spacing_y, 5e-5) << header;
+  }
+  EXPECT_EQ(read("# spacing_y = 2 mm, spacing = 1 mm\n" + rows, {}).spacing_y, 2e-3);
+  // said, and not understood
+  for (const char* header : {"spacing = 5e-5", "spacing = 50 furlongs", "spacing = -1 um",
+                             "spacing = 0 m", "spacing = nan m", "spacing = 1e999 m", "spacing =",
+                             "spacing_y = 1e999 m", "spacing = 3 kg", "spacing = 0,05 mm"})
+    EXPECT_THAT(fault("# line\n# spacing = 2 um\n# " + std::string(header) + "\n" + rows, {}),
+                AllOf(HasSubstr(":3: spacing"), HasSubstr("expected a length")))
+        << header;
+  EXPECT_THAT(fault("# spacing = 2 um, spacing = 3 um\n" + rows, {}), HasSubstr("expected one"));
+  // of something else
+  EXPECT_THAT(fault("# line spacing = 3 m\n" + rows, {}), HasSubstr("has no spacing"));
+}
+
+TEST_F(MapFile, ProfilesAndListsOfPointsAreNoMaps) {
+  EXPECT_THAT(fault("x [mm]; z [um]\n1; 2\n3; 4\n"), HasSubstr("a profile"));
+  EXPECT_THAT(fault("1e-7\n2e-7\n"), HasSubstr("a profile is no map"));
+}
+
 TEST_F(MapFile, TextWhoseRowsDiffer) {
   EXPECT_THAT(fault("1e-7 2e-7 3e-7\n4e-7 5e-7\n1e-7 2e-7 3e-7 4e-7\n"),
               AllOf(HasSubstr("map.dat:2: 2 heights, and 3 in the rows before"),

@@ -209,8 +209,8 @@ TEST_F(Sounds, SaysWhatTheLibraryFinds) {
   const test::Ended text = ra2d(with({"analyze", "a.h5", "--csv", "x"}));
   EXPECT_THAT(
       text.out,
-      AllOf(HasSubstr(fmt::format("{:.2f} dB(A), {:.2f} dB re 20 uPa", found.microphones[1].lp_a,
-                                  found.microphones[1].lp)),
+      AllOf(HasSubstr(fmt::format("{:.2f} dB re 20 uPa, {:.2f} dB(A)", found.microphones[1].lp,
+                                  found.microphones[1].lp_a)),
             HasSubstr("sound power"), HasSubstr("the slider's own sound; modes above 18.87 kHz"),
             HasSubstr("silent until the sound arrives, at 1.46 ms or later")));
   // the level in time: ten on the screen, and all parts in a table, whose mean is the level

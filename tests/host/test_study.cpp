@@ -918,7 +918,7 @@ TEST(StudyLaw, SaysWhyThereIsNone) {
   EXPECT_THAT(refusal_of([&] {
                 fit_law(answers_of({{"scheme", {}, {"a", "b"}}, {"seed", {0}, {}}}, one));
               }),
-              HasSubstr("no dimension of this study"));
+              HasSubstr("it takes a key"));
   EXPECT_THAT(
       refusal_of([&] {
         fit_law(answers_of(two_axes, [](const std::vector<double>&) { return std::nan(""); }));

@@ -90,10 +90,11 @@ class Budget:
         lines = [f"{words:21}{getattr(self, name)!r}" + (f", mostly {self.dominant[name]}"
                                                          if name in self.dominant else "")
                  for name, _, _, _, words in QUANTITIES]
-        heads = [f"{words} [{'dB' if not ratio else 'ln/100'}]"
+        heads = [f"{words} [{'dB' if not ratio else '%'}]"
                  for _, _, _, ratio, words in QUANTITIES]
         lines += ["",
-                  "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it:",
+                  "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it "
+                  "(%: 100 ln of the ratio):",
                   f"{'':10} {'changed to':17}" + "".join(f"{head:>30}" for head in heads)]
         for source, row in self.table.iterrows():
             cells = [_cell(row[name], row[f"{name}_chance"], str(source))

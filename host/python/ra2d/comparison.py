@@ -599,11 +599,24 @@ def _is_hdf5(path: pathlib.Path) -> bool:
         return False
 
 
+def _content_of_study(study: Study) -> dict[str, Any]:
+    """Base, with what `--set` changed in it, and the study's own text."""
+    found = _flat(toml.parse(str(study.attrs["base"])))
+    for change in json.loads((study.folder / "study.json").read_text(encoding="utf-8"))["set"]:
+        key, _, text = change.partition("=")
+        try:
+            given = toml.parse(f"value = {text}")["value"]
+        except RequestError:
+            given = text  # a word, or a number with a unit
+        found |= _flat({key.strip(): given})
+    return found | {"study": toml.parse(str(study.attrs["study"]))}
+
+
 def _content(side: Any) -> dict[str, Any]:
     if isinstance(side, Scene):
         return side.complete()
     if isinstance(side, Study):
-        return toml.parse(str(side.attrs["base"])) | {"study": toml.parse(str(side.attrs["study"]))}
+        return _content_of_study(side)
     first = side[0] if isinstance(side, list) else side
     found = first.scene.content()
     if isinstance(side, list):  # what differs within a side is told by the test

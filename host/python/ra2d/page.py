@@ -85,9 +85,8 @@ def _loudest(found: dict[str, Any]) -> Facts:
     if not found["v_rms"] or not np.isfinite(levels).any():
         return []
     i = int(np.nanargmax(levels))
-    return [("loudest third octave", html("{} Hz, {} dB (95 %: \u00b1 {} dB)", bands["nominal"][i],
-                                          f"{levels[i]:.1f}",
-                                          f"{1.96 * bands['spread'][i]:.1f}"))]
+    return [("loudest third octave", html("{} Hz, {} dB", bands["nominal"][i],
+                                          f"{levels[i]:.1f}"))]
 
 
 def _damping(found: dict[str, Any]) -> Facts:

@@ -407,7 +407,7 @@ def heard_by(result: Result) -> list[dict[str, Any]]:
 def microphone_words(microphone: dict[str, Any]) -> str:
     """Its place and its level."""
     place = ", ".join(f"{x:g}" for x in microphone["position"])
-    return f"{place} m: {microphone['lpa']:.1f} dB(A)"
+    return f"{place} m: {microphone['lp']:.1f} dB, {microphone['lpa']:.1f} dB(A)"
 
 
 def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], tuple[Any, Any]],
@@ -473,7 +473,7 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
     names = bands.nominal.values.tolist()
     _draw_pressures(axes, result, lambda microphone: _band_line(microphone, names))
     axes.set_ylabel(f"level [{DECIBEL}]")
-    axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: one standard deviation over runs")
+    axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: by the finite length alone")
 
 
 def _spectrogram(figure: Any, result: Result, _: bool) -> None:

@@ -95,7 +95,7 @@ def _draw_distribution(axes: Any, data: Data, unit: str, one: float) -> None:
     z = np.linspace(edges[0], edges[-1], 200)
     normal = 100 * (edges[1]
                     - edges[0]) / (rms * math.sqrt(2 * math.pi)) * np.exp(-0.5 * (z / rms) ** 2)
-    axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, as wide")
+    axes.plot(normal, z, color=BLACK, ls="--", lw=1.1, label="normal, same Rq")
     axes.set_xlim(0, 1.12 * max(shares.max(), normal.max()))
     axes.set_xlabel(f"share per {edges[1] - edges[0]:.2g} {unit} [%]")
     axes.set_title(title)

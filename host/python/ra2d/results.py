@@ -256,7 +256,7 @@ class Result:
 
         - `level` [dB re 1 nm/s]: of the resonator's elastic velocity; `level_probe` (position,
           frequency): at the probes; with `a_weighting=True` also `level_a`
-        - `spread` [dB]: standard deviation over runs, for stationary noise
+        - `spread` [dB]: standard deviation by the finite length of the run, for stationary noise
         - `above_last_mode`: True where a band lies above the last mode, and says nothing
 
         >>> bands = getfixture("result").bands()
@@ -269,7 +269,7 @@ class Result:
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
         data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
                 "spread": ("frequency", np.array(b["spread"], dtype=float),
-                           {"units": "dB", "long_name": "standard deviation over runs"}),
+                           {"units": "dB", "long_name": "standard deviation by the finite length"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
                 "level_probe": ((along, "frequency"), _rows(
                     b["level_probe"], len(found["probes"]), len(b["centre"])), decibels)}

@@ -193,8 +193,7 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
                                                         if a["failed"] else "")
     lines = [(literal(f"study: {study.folder.name}"), 12.0, "bold", BLACK),
              (f"{counts}. Means over the seeds ({study.sizes['seed']}) with 95 % intervals (cut at "
-              "the panels' ends); "
-              "lines: the law", 8.5, "normal", GREY)]
+              f"the panels' ends){'; lines: the law' if law else ''}", 8.5, "normal", GREY)]
     if not law:
         return lines + [(literal(why_no_law), 9.0, "normal", BLACK)]
     lines += [(literal(_law_words(one)), 9.0, "normal", BLACK) for one in (law, *sound_laws(study))]
@@ -229,8 +228,23 @@ def panel(study: Study, law: Law | None, name: str, width: float, height: float)
     return figure
 
 
+def _draw_seeds(axes: Any, study: Study, mean: Any) -> None:
+    """The level of each seed, where nothing else varies, and `mean`: their mean's row."""
+    levels = study["level"].values.ravel()
+    axes.axhspan(mean["level_low"], mean["level_high"], color=style.BLUE, alpha=0.12, lw=0)
+    axes.axhline(mean["level"], color=style.BLUE, lw=1.2)
+    axes.plot(np.arange(levels.size), levels, "o", ms=5, color=style.BLUE, mec="white", mew=0.5)
+    most_named = 12
+    shown = np.arange(0, levels.size, max(1, math.ceil(levels.size / most_named)))
+    axes.set_xticks(shown, [str(seed) for seed in study["seed"].values[shown]])
+    axes.set_xlabel("seed")
+    axes.set_ylabel(f"level [{DECIBEL}]")
+    spread = max(2.0, float(np.ptp(levels[np.isfinite(levels)])))
+    axes.set_ylim(np.nanmin(levels) - spread, np.nanmax(levels) + spread)
+
+
 def picture(study: Study) -> Picture:
-    """A panel for each key with two values or more."""
+    """A panel for each key with two values or more; of a study of seeds alone, one of these."""
     why = ""
     try:
         law = study.law()
@@ -245,9 +259,12 @@ def picture(study: Study) -> Picture:
         grid = list(np.atleast_1d(body.subplots(rows, columns, squeeze=False, sharey=True)).ravel())
         for axes in grid[max(len(names), 1):]:
             axes.set_visible(False)
-        if not names or not np.isfinite(means["level"]).any():
-            style.say_empty(grid[0], "nothing but the seeds was varied" if not names else
-                            "the table has no levels: none was kept, or no run is done", "Level")
+        if not np.isfinite(means["level"]).any():
+            style.say_empty(grid[0], "the table has no levels: none was kept, or no run is done",
+                            "Level")
+            return figure
+        if not names:
+            _draw_seeds(grid[0], study, means.iloc[0])
             return figure
         for axes, name in zip(grid, names):
             _Panel(axes, study, means, law, name, names).draw()

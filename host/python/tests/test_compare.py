@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import ra2d
-from ra2d import comparison, scenes
+from ra2d import comparison, program, scenes
 
 DOCS = pathlib.Path(__file__).resolve().parents[3] / "docs"
 
@@ -136,6 +136,19 @@ def test_sets_are_paired_by_their_faces_in_any_order(sets):
         ra2d.student.mean_differs(levels[0] - levels[1]), rel=1e-6)
     unlike = ra2d.compare(sets[0.1][:3], sets[0.1][1:])
     assert "Welch" in unlike.test and not unlike.answers.differs.any()
+
+
+def test_studies_of_other_settings_differ(base, folder):
+    """What `--set` changed is no part of the study's own text."""
+    place = folder / "set.toml"
+    (folder / "base-of-set.toml").write_text(base.text(), encoding="utf-8")
+    place.write_text('base = "base-of-set.toml"\nseeds = 1\n', encoding="utf-8")
+    for name, duration in (("short", "5 ms"), ("long", "0.01")):
+        program.call("study", place, "-o", folder / name, "--set", f"scene.duration={duration}",
+                     "--set", "time.scheme=adaptive", "--quiet")
+    found = ra2d.compare(folder / "short", folder / "long").scene
+    assert found.index.tolist() == ["scene.duration"]
+    assert found.loc["scene.duration"].tolist() == ["5 ms", 0.01, "s"]
 
 
 def test_studies_are_compared_where_both_have_runs(study, folder, base):
