@@ -251,7 +251,7 @@ TEST_F(MapFile, TextSpacingsOfTheHeaderInEveryUnit) {
         << header;
   EXPECT_THAT(fault("# spacing = 2 um, spacing = 3 um\n" + rows, {}), HasSubstr("expected one"));
   // of something else
-  EXPECT_THAT(fault("# line spacing = 3 m\n" + rows, {}), HasSubstr("has no spacing"));
+  EXPECT_EQ(read("# spacing = 1 um, line spacing = 3 m\n" + rows, {}).spacing_y, 1e-6);
 }
 
 TEST_F(MapFile, ProfilesAndListsOfPointsAreNoMaps) {

@@ -530,8 +530,8 @@ def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd
 def _test_between(paired: bool, a: int, b: int, of: str) -> str:
     how = (f"of {a} pairs of {of} with the same faces" if paired
            else f"of Welch, of {a} and {b} {of}")
-    return (f"test: Student's t {how}; A and B are means over them. Of twenty quantities that do "
-            "not differ it marks one.")
+    return (f"test: Student's t {how}; A and B are means over them (of logarithms, but "
+            "levels). Of twenty quantities that do not differ it marks one.")
 
 
 def _of_studies(a: Study, b: Study) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:

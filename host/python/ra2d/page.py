@@ -481,7 +481,7 @@ def study_text(study: Study, command: str = "") -> str:
     try:
         law = study.law()
     except RequestError as fault:
-        why = _sentence(str(fault).removeprefix("this study has no law: "))
+        why = _sentence(str(fault).removeprefix("this study has "))
     sheet = page_svg.Sheet()
     missing = int(a["runs"]) - int(a["done"]) - int(a["failed"])
     lead = (f"{a['runs']} runs: {a['done']} done, {a['failed']} failed, {missing} missing. "

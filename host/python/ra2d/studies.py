@@ -154,8 +154,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
                 "keep = "
                                "[\"sound\"] in its file)")
         if not found or "why_none" in found:
-            raise RequestError(
-                f"this study has no law: {found['why_none'] if found else answer['why_no_law']}")
+            why = str(found["why_none"] if found else answer["why_no_law"])
+            raise RequestError(f"this study has no law: {why.removeprefix('no law: ')}")
         note = "by the seeds" if found[
             "seeds"] > 1 else "each run counts by itself: there is one seed"
         exponents = {name: Estimate.of(e["value"], e, "", note)
