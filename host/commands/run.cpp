@@ -126,7 +126,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (r.counted > 0)
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
-  print_line("nodes evaluated", fmt::format("{:.2f} a step, on average", r.nodes_evaluated));
+  print_line("nodes evaluated", fmt::format("{:.4g} a step, on average", r.nodes_evaluated));
   print_energy(scene, r.energy);
   print_cost(r);
   print_line("file", printable(output.string()));

@@ -67,12 +67,13 @@ std::string describe_failure(const Model& model, const Snapshot& end) {
         when, model.tick);
   if (end.status == Status::crowded)
     return fmt::format(
-        "out of memory: at {} more nodes touch at once than there is memory for{}. Coarser nodes "
-        "(scene.spacing) or a smaller load need less; or leave it more of the memory (fewer runs "
+        "{}: at {} more nodes touch at once than there is memory for{}. Coarser nodes "
+        "(scene.spacing{}) or a smaller load need less; or leave it more of the memory (fewer runs "
         "side by side)",
-        when,
+        model.is_areal ? "too many contacts" : "out of memory", when,
         model.is_areal ? fmt::format(", or than the {} that can be followed", most_areal_nodes)
-                       : "");
+                       : "",
+        model.is_areal ? ", scene.spacing_y" : "");
   const int nodes = static_cast<int>(std::max<std::int64_t>(1, end.most_nodes));
   return (end.status == Status::not_finite
               ? fmt::format("not finite: at {} the state is no longer a number", when)

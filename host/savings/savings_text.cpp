@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "host/base/format.hpp"
@@ -50,9 +52,19 @@ std::string verdict_text(const Trial& trial) {
                                            : "open";
 }
 
+/// Beyond the scene as written modes of both bodies stand under each other.
+std::string name_of(const Trial& trial) {
+  const std::size_t end = trial.key.find(".modes");
+  if (!trial.checked || end == std::string::npos) return trial.what;
+  std::string what = trial.what;
+  if (const std::size_t word = what.find(" elastic,"); word != std::string::npos)
+    what.erase(word, std::string_view(" elastic").size());
+  return trial.key.substr(0, end) + ": " + what;
+}
+
 std::string row(const Trial& trial, int digits, bool costs) {
   const bool ran = trial.moved[0].pairs > 0 || trial.moved[1].pairs > 0;
-  std::string text = fmt::format("  {:<32}", trial.what);
+  std::string text = fmt::format("  {:<32}", name_of(trial));
   if (ran) {
     const int pairs = std::max(trial.moved[0].pairs, trial.moved[1].pairs);
     text += fmt::format("{:>7} {:>5} {:>8} {:>14} {:>14} {:>14}  {}",

@@ -80,6 +80,15 @@ std::string udunits(const std::string& unit) {
                      power == std::string::npos ? "1" : unit.substr(power + 1));
 }
 
+std::string unit_of_udunits(const std::string& text) {
+  if (text == "1") return {};
+  const std::size_t blank = text.find(' '), sign = text.rfind('-');
+  if (blank == std::string::npos || sign == std::string::npos || sign < blank) return text;
+  const std::string power = text.substr(sign + 1);
+  return text.substr(0, blank) + "/" + text.substr(blank + 1, sign - blank - 1) +
+         (power == "1" ? "" : "^" + power);
+}
+
 std::string markdown_table(const std::vector<KeyFacts>& keys) {
   const bool has_use =
       std::any_of(keys.begin(), keys.end(), [](const KeyFacts& key) { return !key.use.empty(); });

@@ -30,6 +30,8 @@ const std::string& key_unit(const std::string& path);
 
 /// A unit as the CF conventions and UDUNITS write it: "kg m-3" for "kg/m^3", "1" for none.
 std::string udunits(const std::string& unit);
+/// Back again: "m/s" for "m s-1", empty for "1".
+std::string unit_of_udunits(const std::string& text);
 
 /// The keys as a table in Markdown, for docs/scene.md.
 std::string markdown_table(const std::vector<KeyFacts>& keys);

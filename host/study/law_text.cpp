@@ -9,6 +9,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/text.hpp"
 #include "host/result/level.hpp"
+#include "host/scene_file/key_facts.hpp"
 #include "host/study/law.hpp"
 
 namespace ra2d {
@@ -119,12 +120,18 @@ std::string rate_number(double rate) {
   return rate < 1e4 ? fmt::format("{:.4g}", rate) : fmt::format("{:.0f}", rate);
 }
 
+/// Its name and unit.
+std::string head_of(const StudyAxis& axis) {
+  const std::string unit = unit_of_udunits(axis.units);
+  return unit.empty() ? axis.name : fmt::format("{} [{}]", axis.name, unit);
+}
+
 /// A line for each combination: its level and its rate of shocks with their 95 % intervals.
 std::string means_text(const StudyAnswers& answers, std::size_t most_rows) {
   const bool rates = !answers.shock_rate.empty();
   std::string text = "  ";
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a)
-    text += fmt::format("{:<12} ", answers.axes[a].name);
+    text += fmt::format("{:<12} ", head_of(answers.axes[a]));
   text += fmt::format("{:>5} {:>13} {:>10}  {:<18}{}\n", "runs", "v_rms [m/s]", "Lv [dB]", "95 %",
                       rates ? "  shocks [1/s]  95 %" : "");
   const auto interval = [](const MeanOfRuns& mean, const std::string& both) {
@@ -159,7 +166,7 @@ std::string sound_text(const StudyAnswers& answers, std::size_t most_rows) {
   if (sound.empty()) return {};
   std::string head = "  ";
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a)
-    head += fmt::format("{:<12} ", answers.axes[a].name);
+    head += fmt::format("{:<12} ", head_of(answers.axes[a]));
   for (const LawQuantity& one : sound)
     head += fmt::format("{:<17}", fmt::format("{} [dB]  95 %", one.symbol));
   std::string text = head.substr(0, head.find_last_not_of(' ') + 1) + '\n';

@@ -894,7 +894,7 @@ TEST_F(ArealProgram, ARunEndsWhereMoreNodesTouchThanCanBeFollowed) {
   EXPECT_EQ(ended.status, 3);
   EXPECT_THAT(ended.err,
               AllOf(HasSubstr("more nodes touch at once"), HasSubstr("or than the 65536"),
-                    HasSubstr("Coarser nodes (scene.spacing)"),
+                    HasSubstr("Coarser nodes (scene.spacing, scene.spacing_y)"),
                     HasSubstr("What was computed until then is in crowded.h5")));
   EXPECT_THAT(run({"check", "crowded.h5"}).out, HasSubstr("cut short"));
 }

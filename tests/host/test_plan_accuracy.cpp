@@ -308,8 +308,8 @@ TEST(Savings, OfARubbingSceneHoldForIt) {
   SCOPED_TRACE(text);
   EXPECT_THAT(text, AllOf(HasSubstr("other seeds"), HasSubstr("scheme and step"),
                           HasSubstr("modes of the resonator"), HasSubstr("spacing"),
-                          HasSubstr("beyond the scene as written"), HasSubstr("needed"),
-                          Not(HasSubstr("nan"))));
+                          HasSubstr("beyond the scene as written"), HasSubstr("\n  resonator: "),
+                          HasSubstr("needed"), Not(HasSubstr("nan"))));
   // the written scene says where its choices come from, and is the chosen one
   const std::string planned = planned_scene(found);
   const Scene read = parse_scene(planned, "planned.toml");

@@ -1345,6 +1345,8 @@ TEST(SceneKeys, UnitsOfAStudysAxes) {
   EXPECT_EQ(udunits("m/s"), "m s-1");
   EXPECT_EQ(udunits("kg/m^3"), "kg m-3");
   EXPECT_EQ(udunits("Pa/m"), "Pa m-1");
+  for (const char* unit : {"", "m", "m/s", "kg/m^3", "Pa/m"})
+    EXPECT_EQ(unit_of_udunits(udunits(unit)), unit);
 }
 
 TEST(SceneKeys, ThePageHasThem) {

@@ -112,13 +112,14 @@ class Comparison:
                 (f"{key} [{row.unit}]" if row.unit else str(key), _shown(row.a), _shown(row.b))
                 for key, row in self.scene.iterrows()])]
         if len(self.answers):
-            lines += ["", "answers", *_columns([("", "A", "B", "B against A", "by chance", "")] + [
+            lines += ["", "answers", *_columns([("", "A", "B", "B against A", "p", "")] + [
                 (str(name), _value(row.a, row.unit), _value(row.b, row.unit),
                  _change(row.difference, row.unit),
                  _chance(row.chance), _verdict(row)) for name, row in self.answers.iterrows()])]
         if len(self.bands):
             lines += ["", *self._text_of_bands()]
-        return "\n".join([*lines, *(["", self.test] if self.test else []), *self.notes])
+        tests = ["", "p: how likely chance alone makes such a difference", self.test]
+        return "\n".join([*lines, *(tests if self.test else []), *self.notes])
 
     def _text_of_bands(self) -> list[str]:
         tested = int(self.bands.chance.notna().sum())
@@ -127,9 +128,9 @@ class Comparison:
             return [f"third octaves: not known: {self.bands.why.iloc[0]}"]
         if marked.empty:
             return [f"third octaves: none of {tested} differs by more than chance"]
-        what = "more than chance" if marked.differs.all() else f"{OTHER_FACES}:"
-        return [f"third octaves that differ by {what}, {len(marked)} of {tested}"] + _columns(
-            [("Hz", "A", "B", "B against A", "by chance")]
+        what = "more than chance," if marked.differs.eq(True).all() else f"{OTHER_FACES}:"
+        return [f"third octaves that differ by {what} {len(marked)} of {tested}"] + _columns(
+            [("Hz", "A", "B", "B against A", "p")]
             + [(str(name), f"{row.a:.1f} dB", f"{row.b:.1f} dB", f"{row.difference:+.1f} dB",
                 _chance(row.chance))
                for name, row in marked.iterrows()])
@@ -217,7 +218,8 @@ def _chance(chance: float) -> str:
 
 def _verdict(row: Any) -> str:
     if row.differs is None:
-        return f"not known: {row.why}"
+        return ("more than chance in these runs" if row.why == OTHER_FACES
+                else f"not known: {row.why}")
     return "more than chance" if row.differs else "within chance"
 
 

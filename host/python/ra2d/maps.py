@@ -38,6 +38,15 @@ def _edges(places: Array) -> tuple[float, float]:
     return 1e3 * (places[0] - half), 1e3 * (places[-1] + half)
 
 
+def _is_true_to_scale(length: float, width: float) -> bool:
+    return length <= LONGEST_TRUE * width and width <= 1.5 * length
+
+
+def height(length: float, width: float, inches: float) -> float:
+    """Of a map's panel so many inches wide, with its title and labels."""
+    return 1.0 + inches * (width / length if _is_true_to_scale(length, width) else 0.25)
+
+
 def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str = "m",
          middle: bool = False) -> Any:
     """A map over (y, position), places in mm; with `bar` a colour bar of that name. `middle`:
@@ -46,9 +55,7 @@ def draw(axes: Any, values: xr.DataArray, colours: str, bar: str = "", unit: str
     x, y = _edges(values.position.values), _edges(values.y.values)
     most = float(np.abs(values.values).max()) / one or 1.0
     limits = {"vmin": -most, "vmax": most} if middle else {}
-    true_to_scale = (x[1] - x[0]) <= LONGEST_TRUE * (y[1]
-                                                     - y[0]) and (y[1]
-                                                                  - y[0]) <= 1.5 * (x[1] - x[0])
+    true_to_scale = _is_true_to_scale(x[1] - x[0], y[1] - y[0])
     image = axes.imshow(values.values / one, origin="lower", extent=(*x, *y), cmap=colours,
                         interpolation="none",
                         aspect="equal" if true_to_scale else "auto", **limits)
@@ -72,23 +79,34 @@ def dots(axes: Any, shocks: pd.DataFrame) -> int:
     return len(shown)
 
 
-def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = True,
-          most: int = MOST_POINTS) -> None:
-    """Both faces under each other, with the places of the shocks on the resonator's."""
+def resonator_face(axes: Any, result: Result, track: tuple[float, float], bars: bool = True,
+                   most: int = MOST_POINTS) -> None:
+    """The resonator's face where the slider comes, with the places of the shocks."""
     under = thinned(result.profile("resonator").sel(position=slice(*track)), most)
     shocks = result.shocks
-    draw(panels[0], under, "viridis", "height" if bars else "")
-    limits = panels[0].get_xlim(), panels[0].get_ylim()
-    count = dots(panels[0], shocks)
-    panels[0].set(xlim=limits[0], ylim=limits[1])
+    draw(axes, under, "viridis", "height" if bars else "")
+    limits = axes.get_xlim(), axes.get_ylim()
+    count = dots(axes, shocks)
+    axes.set(xlim=limits[0], ylim=limits[1])
     of = f"the {count} strongest of " if count < len(shocks) else ""
-    panels[0].set_title("Resonator under the slider's path" + (f"; dots: {of}{len(shocks)} shocks"
-                                                               if len(shocks) else
-                                                              "; there were no shocks"))
-    panels[0].set_xlabel("x on the resonator [mm]")
-    draw(panels[1], thinned(result.profile("slider"), most), "viridis", "height" if bars else "")
-    panels[1].set_title("Slider, seen through it from above; heights towards the resonator")
-    panels[1].set_xlabel("x on the slider [mm]")
+    axes.set_title("Resonator under the slider's path" + (f"; dots: {of}{len(shocks)} shocks"
+                                                          if len(shocks) else
+                                                          "; there were no shocks"))
+    axes.set_xlabel("x on the resonator [mm]")
+
+
+def slider_face(axes: Any, result: Result, bars: bool = True, most: int = MOST_POINTS) -> None:
+    """The slider's face as it lies on the resonator's."""
+    draw(axes, thinned(result.profile("slider"), most), "viridis", "height" if bars else "")
+    axes.set_title("Slider, seen through it from above; heights towards the resonator")
+    axes.set_xlabel("x on the slider [mm]")
+
+
+def faces(panels: Any, result: Result, track: tuple[float, float], bars: bool = True,
+          most: int = MOST_POINTS) -> None:
+    """Both under each other."""
+    resonator_face(panels[0], result, track, bars, most)
+    slider_face(panels[1], result, bars, most)
 
 
 # ---- motion

@@ -121,9 +121,17 @@ def _draw_strongest(axes: Any, result: Result) -> None:
     axes.set_ylim(0, None)
 
 
+def _heights(result: Result) -> tuple[float, float]:
+    """Of the panels of an areal scene's faces on a page [inches]: across it, across half of it."""
+    width = float(result.scene["slider.width"])
+    start, end = track(result)
+    return (maps.height(end - start, width, 9.4),
+            maps.height(float(result.scene["slider.length"]), width, 3.8))
+
+
 def _profiles(figure: Any, result: Result, alone: bool) -> None:
     if result.is_areal:
-        maps.faces(figure.subplots(2, 1), result, track(result))
+        maps.faces(figure.subplots(2, 1, height_ratios=_heights(result)), result, track(result))
         return
     draw = [_draw_faces, _draw_places] + [_draw_strongest] * alone
     panels = figure.subplots(len(draw), 1, sharex=True, height_ratios=[1.5, 1, 1][:len(draw)])
@@ -448,7 +456,7 @@ def heard_in_time(microphone: dict[str, Any], place: Callable[[Any], Any]) -> tu
     return place(middles[shown]), levels[shown]
 
 
-def _bands(figure: Any, result: Result, _: bool) -> None:
+def _bands(figure: Any, result: Result, alone: bool) -> None:
     axes, title = figure.subplots(), "Third octaves of the resonator's velocity"
     if why := why_empty(result, "bands"):
         style.say_empty(axes, why, title)
@@ -469,11 +477,12 @@ def _bands(figure: Any, result: Result, _: bool) -> None:
                                 f"{quantity(bands.last_mode, 'Hz')}: no information"],
                     loc="upper right")
     band_axis(axes, bands.nominal.values.tolist())
-    axes.set_ylim(bottom, finite.max() + 6)
+    axes.set_ylim(bottom, finite.max() + (6 if alone else 14))
     names = bands.nominal.values.tolist()
     _draw_pressures(axes, result, lambda microphone: _band_line(microphone, names))
     axes.set_ylabel(f"level [{DECIBEL}]")
-    axes.set_title(f"{title}; in all {result.level:.1f} dB; bars: by the finite length alone")
+    axes.set_title(f"{title}; in all {result.level:.1f} dB"
+                   + ("; bars: by the finite length alone" if alone else ""))
 
 
 def _spectrogram(figure: Any, result: Result, _: bool) -> None:
@@ -631,6 +640,30 @@ def _draw(name: str, cell: Any, result: Result, alone: bool) -> None:
         PANELS[name][0](cell, result, alone)
 
 
+def _overview(result: Result, lines: list[tuple[str, float, str, str]]) -> Picture:
+    """A page: the faces across it, below them two panels a row; of an areal scene the slider's map
+    is one of these."""
+    pairs = [("force", "displacement"), ("spectrum", "level"), ("shocks", "energy")]
+    heights = [4.5, 3.1, 3.27, 3.1]
+    if result.is_areal:
+        pairs = [("slider", "level"), ("force", "displacement"), ("spectrum", "bands"),
+                 ("shocks", "energy")]
+        heights = [*_heights(result), *heights[1:]]
+    figure, body = style.page(11, sum(heights), lines)
+    rows = body.subfigures(len(heights), 1, height_ratios=heights)
+    if result.is_areal:
+        maps.resonator_face(rows[0].subplots(), result, track(result))
+    else:
+        _draw("profiles", rows[0], result, False)
+    for row, names in zip(rows[1:], pairs):
+        for cell, name in zip(row.subfigures(1, 2), names):
+            if name == "slider":
+                maps.slider_face(cell.subplots(), result)
+            else:
+                _draw(name, cell, result, False)
+    return figure
+
+
 def views() -> list[str]:
     """All that can be asked of one result."""
     return ["overview", *PANELS, *SAME, SHOCK, MOTION]
@@ -657,15 +690,8 @@ def result(of: Result, what: str = "overview", start: float | None = None,
         if what == MOTION:
             return _motion(of, time, lines)
         if what != "overview":
-            figure, body = style.page(10, PANELS[what][1], lines)
+            high = sum(_heights(of)) if of.is_areal and what == "profiles" else PANELS[what][1]
+            figure, body = style.page(10, high, lines)
             _draw(what, body, of, True)
             return figure
-        high = 2.5 if of.is_areal else 1.45  # maps are true to scale
-        figure, body = style.page(11, 14 * (high + 3.05) / 4.5, lines)
-        rows = body.subfigures(4, 1, height_ratios=[high, 1, 1.05, 1])
-        _draw("profiles", rows[0], of, False)
-        for row, names in zip(rows[1:], (("force", "displacement"), ("spectrum", "level"),
-                                         ("shocks", "energy"))):
-            for cell, name in zip(row.subfigures(1, 2), names):
-                _draw(name, cell, of, False)
-        return figure
+        return _overview(of, lines)
