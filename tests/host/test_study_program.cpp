@@ -25,6 +25,7 @@
 #include "host/study/study_points.hpp"
 #include "host/study/study_table.hpp"
 #include "tests/child.hpp"
+#include "tests/effort.hpp"
 #include "tests/places.hpp"
 #include "tests/studies.hpp"
 #include "tests/warm_python.hpp"
@@ -183,7 +184,9 @@ step = { key = "time.step", values = [1e-7, 1e-4, 2e-7] }
 }
 
 TEST_F(StudyProgram, KilledAtAnyInstantItLosesNoFinishedRun) {
-  write_study(60);  // 240 runs: a second
+  const int seeds = test::draws(60);  // 240 runs: a second
+  const unsigned slower = test::draws_enough() ? 1 : 8;
+  write_study(seeds);
   ASSERT_EQ(run({"study.toml", "-o", "whole"}), 0) << err_;
   const std::string whole = table("whole");
   std::mt19937_64 dice(7);
@@ -191,7 +194,7 @@ TEST_F(StudyProgram, KilledAtAnyInstantItLosesNoFinishedRun) {
   const fs::path ledger = folder_ / "killed/ledger/all.log";
   for (int i = 0; i < 12; ++i) {
     Child child = start({"study.toml", "-o", "killed", "--threads", "2"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + dice() % 150));
+    std::this_thread::sleep_for(std::chrono::milliseconds(slower * (10 + dice() % 150)));
     child.send(SIGKILL);
     child.wait();
     if (!fs::exists(ledger)) continue;
@@ -201,7 +204,8 @@ TEST_F(StudyProgram, KilledAtAnyInstantItLosesNoFinishedRun) {
   }
   EXPECT_EQ(run({"study.toml", "-o", "killed"}), 0) << err_;
   EXPECT_TRUE(table("killed") == whole);
-  EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 240u) << "each ran once";
+  EXPECT_EQ(parse_ledger(test::read_file(ledger), ledger).runs.size(), 4u * seeds)
+      << "each ran once";
 }
 
 TEST_F(StudyProgram, GnuParallelRunsItsPartsAndGoesOnWithThoseThatFailed) {
