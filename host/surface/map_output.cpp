@@ -43,11 +43,14 @@ bool is_npy_name(const std::filesystem::path& file) { return file.extension() ==
 void write_height_map(const std::filesystem::path& file, const HeightMap& map,
                       const std::string& title) {
   const bool as_npy = is_npy_name(file);
+  std::string comment = title;  // commas and semicolons part entries of a header
+  std::ranges::replace_if(
+      comment, [](char c) { return c == ',' || c == ';'; }, ' ');
   PartialFile out(file);
   out.write(as_npy ? npy_header(map.ny, map.nx)
                    : fmt::format("# {}\n# z [m], a row of constant y in each line; spacing = {} m, "
                                  "spacing_y = {} m\n",
-                                 title, map.spacing, map.spacing_y));
+                                 comment, map.spacing, map.spacing_y));
   // parts of a few megabytes, made side by side
   const std::size_t a_part = std::max<std::size_t>(1, (std::size_t{1} << 17) / map.nx);
   std::vector<std::string> parts(8);

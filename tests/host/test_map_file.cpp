@@ -288,7 +288,7 @@ TEST_F(MapFile, WhatIsWrittenIsReadBackToTheBit) {
   map.heights[7] = nan;
   for (const char* name : {"map.txt", "map.npy"}) {
     const auto written = folder.path() / name;
-    write_height_map(written, map, "a test");
+    write_height_map(written, map, "made of a, spacing = 3.txt");
     const bool npy_name = is_npy_name(written);
     const HeightMap back =
         read_height_map(written, npy_name ? spaced(map.spacing, map.spacing_y) : MapQuery{});
