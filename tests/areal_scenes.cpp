@@ -142,22 +142,24 @@ RandomMaps random_maps(std::uint64_t seed, int most_modes, bool is_small) {
   const double mobility = largest_shape(plate) + largest_shape(block);
   s.stiffness =
       std::pow(drawn.fastest * dice.ratio(0.1, 2), 2) / (mobility * s.spacing * s.spacing_y);
-  const auto throw_body = [&](const Body& body, std::vector<double>& u, std::vector<double>& v) {
+  const auto set_velocities = [&](const Body& body, std::vector<double>& u,
+                                  std::vector<double>& v) {
     u.assign(body.modes.size(), 0.0);
     for (const BodyMode& mode : body.modes)
       v.push_back(dice.uniform(-1, 1) * rms * std::max(mode.omega, 3 / drawn.duration) /
                   (mode.shape->largest() * std::sqrt(static_cast<double>(body.modes.size()))));
   };
-  if (!dice.one_in(4)) throw_body(plate, s.plate_u, s.plate_v);
+  if (!dice.one_in(4)) set_velocities(plate, s.plate_u, s.plate_v);
   if (s.block.support == Support::free) {
     s.block.load = dice.ratio(0.01, 10);
-    throw_body(block, s.block_u, s.block_v);
+    set_velocities(block, s.block_u, s.block_v);
   }
   if (dice.one_in(4))
     s.forces.push_back({dice.uniform(-5, 5), dice.ratio(1, 100), dice.uniform(0, 0.05),
                         dice.uniform(0, s.plate.width)});
   return drawn;
 }
+
 ArealScene mirrored(ArealScene scene) {
   scene.side = scene.plate.width - scene.block.width - scene.side;
   std::reverse(scene.plate_heights.begin(), scene.plate_heights.end());

@@ -25,13 +25,13 @@ ArealScene many_nodes(int modes = 30);
 /// tolerances of 1e-6 and 1e-8. Or other rows, the last of which is raised [m].
 ArealScene fine_maps(int modes = 40, int rows = 24, double last_row = 0);
 
-/// A scene of any kind, with up to so many modes of the plate, and how long its march is to take.
-/// `is_small`: so few nodes, and so briefly, that the reference takes part of a second.
 struct RandomMaps {
   ArealScene scene;
   double fastest = 0;   // rad/s, of the plate
-  double duration = 0;  // s
+  double duration = 0;  // s, that a march is to take
 };
+/// A scene of any kind, with up to so many modes of the plate. `is_small`: so few nodes, and so
+/// briefly, that the reference takes part of a second.
 RandomMaps random_maps(std::uint64_t seed, int most_modes, bool is_small = false);
 
 /// A scene with y turned round.

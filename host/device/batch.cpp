@@ -72,10 +72,10 @@ struct BatchSlot {
   BatchSlot(const Model& model_, const ModalStart& start, const TeamShape& shape_,
             const Capacity& capacity_, BatchMemory& batch)
       : model{model_}, capacity{capacity_}, shape{shape_}, memory{batch} {
-    // to grow later takes all tables a second time: a share of a large map's nodes at once
-    constexpr int share = 2048, least = 256, most = 2048;
-    if (model.is_areal && model.nodes() > least)
-      capacity.nodes = std::max(capacity.nodes, std::clamp(model.nodes() / share, least, most));
+    // to grow later takes all tables a second time: a share of a map's nodes at once
+    if (model.is_areal)
+      capacity.nodes = std::max({capacity.nodes, std::min(model.nodes() / 128, 256),
+                                 std::min(model.nodes() / 2048, 2048)});
     find_extents();
     memory.provide(state.out, extents);
     provide(start, false);

@@ -23,8 +23,8 @@ bool is_rough(const SurfaceSpec& surface) {
 }
 
 /// In an areal scene: compares the spring of a node with a half-space of the material under a spot
-/// as wide as the node's cell, the narrowest contact that nodes show. Contacts that are wider are
-/// softer yet, and none is wider than the slider.
+/// as wide as the node's cell, the narrowest contact that nodes show: kappa = 2 E* a/area. That of
+/// Hertz's contacts, 3 E*/(4 pi a), falls with their half-width a, at most half of the slider's.
 void doubt_point_stiffness(const Scene& scene, Doubts& doubts) {
   constexpr double much_stiffer = 4, far_softer = 1e-3;
   const double modulus = plate_contact_modulus(scene), kappa = scene.contact.stiffness;

@@ -654,9 +654,8 @@ std::string describe(const Model& model, const Plan& plan) {
         plan.slider.nodes, plan.resonator.nodes, scene.spacing * 1e6, plan.delta * 1e6);
   if (scene.contact.law == ContactLaw::penalty)
     text += fmt::format(
-        "contact    penalty, {:.3g} N/m a {}; half a period of {} spring: {}\n           (shocks "
-        "are "
-        "shorter where the slider passes on)\n",
+        "contact    penalty, {:.3g} N/m a {}; half a period of {} spring: {}\n"
+        "           (shocks are shorter where the slider passes on)\n",
         model.node_stiffness, model.has_smooth_faces() ? "cell" : "node",
         model.has_smooth_faces() ? "a whole cell's" : "a node's",
         seconds_text(plan.contact_period));

@@ -120,8 +120,8 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
   if (doubts == nullptr) return;
   if (std::max(map.spacing, map.spacing_y) > widest_spacing)
     doubts->push_back(
-        fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: are "
-                    "--spacing and --spacing-y in metres?",
+        fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: was that meant in "
+                    "metres?",
                     name, map.spacing, map.spacing_y));
   if (how.form.degree >= 1) return;
   HeightMap level = map;

@@ -59,9 +59,9 @@ TEST(RandomMaps, CandidatesLaunchesAndRoomChangeNoBit) {
   EXPECT_GE(seen.with_shocks, seen.scenes / 3);
 }
 
-/// The tolerance is that of a step. Twice that is what they add up to in so short a run, times what
-/// the motion makes of a disturbance: which the reference shows, from velocities that are hardly
-/// other ones. (Of 800 scenes the largest had 1.2 times the tolerance.)
+/// The tolerance is that of a step, and most are far below it. In so short a run all of them
+/// together are held to twice that, times what the motion makes of a disturbance: which the
+/// reference shows, from velocities that are hardly other ones.
 TEST(RandomMaps, AdaptiveStepsComeToTheReference) {
   constexpr int samples = 4;
   constexpr double change = 1e-7, chaos = 1e-3;

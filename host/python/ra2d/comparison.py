@@ -17,7 +17,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from . import toml
-from .errors import RequestError
+from .errors import FileError, RequestError
 from .results import Body, Result, load
 from .scenes import UNITS, Scene, scene
 from .student import Values, for_all, mean_differs, means_differ
@@ -602,15 +602,26 @@ def _is_hdf5(path: pathlib.Path) -> bool:
 
 
 def _content_of_study(study: Study) -> dict[str, Any]:
-    """Base, with what `--set` changed in it, and the study's own text."""
+    """Base, with what `--set` changed in it, and the study's own text. A table without its folder
+    does not know what was set."""
     found = _flat(toml.parse(str(study.attrs["base"])))
-    for change in json.loads((study.folder / "study.json").read_text(encoding="utf-8"))["set"]:
-        key, _, text = change.partition("=")
+    snapshot = study.folder / "study.json"
+    try:
+        changes = json.loads(snapshot.read_text(encoding="utf-8"))["set"]
+        pairs = [(str(key).strip(), text) for key, _, text in
+                 (change.partition("=") for change in changes)]
+    except FileNotFoundError:
+        pairs = []
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
+        raise FileError(f"'{snapshot}' cannot be read ({fault}): run the study's line again, "
+                        "which writes it anew") from fault
+    for key, text in pairs:
         try:
             given = toml.parse(f"value = {text}")["value"]
         except RequestError:
             given = text  # a word, or a number with a unit
-        found |= _flat({key.strip(): given})
+        found = {name: value for name, value in found.items() if not name.startswith(f"{key}.")}
+        found |= _flat({key: given})
     return found | {"study": toml.parse(str(study.attrs["study"]))}
 
 

@@ -210,10 +210,11 @@ def say_empty(axes: Any, why: str, title: str, keep_x: bool = False) -> None:
 
 def page(width: float, height: float,
          lines: Sequence[tuple[str, float, str, str]]) -> tuple[Picture, Any]:
-    """A figure with lines of text at its top (text, size, weight, colour), wrapped where they are
-    too long, and the subfigure below."""
+    """A figure with lines of text at its top (text, size, weight, colour), each wrapped to three
+    at most, and the subfigure below."""
     lines = [(part, size, weight, colour) for text, size, weight, colour in lines
-             for part in textwrap.wrap(text, int(132 * width / size)) or [""]]
+             for part in textwrap.wrap(text, int(132 * width / size), max_lines=3,
+                                       break_on_hyphens=False, placeholder=" \u2026") or [""]]
     top = (0.18 + sum(size * 1.5 / 72 for _, size, _, _ in lines)) if lines else 0.01
     figure = Picture(figsize=(width, height + top), layout="constrained")
     upper, lower = figure.subfigures(2, 1, height_ratios=[top, height])

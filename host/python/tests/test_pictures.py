@@ -349,3 +349,15 @@ def test_runs_with_no_shock_one_shock_and_no_probes(silent, base, folder):
                     output=folder / "one.h5", show=False)
     figure = drop.plot("shock")
     assert figure.drawn("png", 30) and len(figure.axes) in (1, 3)
+
+
+def test_a_head_is_wrapped_to_three_lines():
+    """Neither cut inside a number nor as high as a page."""
+    words = "  \u00b7  ".join(f"energy balance off by 6.0e-{i:02}" for i in range(10))
+    figure, _ = style.page(10, 5, [(words, 9.5, "normal", style.BLACK)])
+    shown = [text.get_text() for text in figure.subfigs[0].texts]
+    assert len(shown) > 1 and all(part.split()[-1] != "6.0e-" for part in shown)
+    assert " ".join(shown).split() == words.split()
+    figure, _ = style.page(10, 5, [("word " * 20_000, 13.0, "bold", style.BLACK)])
+    shown = [text.get_text() for text in figure.subfigs[0].texts]
+    assert len(shown) == 3 and shown[-1].endswith("\u2026")
