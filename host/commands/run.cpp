@@ -98,6 +98,24 @@ void print_shocks(const RunReport& r) {
                                          r.peak_force_median, r.peak_force_90));
 }
 
+/// The tolerance counts for the motion of both bodies together. Where contact holds next to nothing
+/// of its energy, as under a light slider on a plate that other forces bend, it says little about
+/// contact forces: they are off by some tolerance/sqrt(share) and, after many shocks, more. Empty
+/// where that is little.
+std::string tolerance_text(const Scene& scene, double contact_share) {
+  constexpr double much = 0.01, little = 1e-4;  // of a force
+  constexpr double best = 1e-12;                // tolerance, about
+  if (!is_adaptive(scene) || !(contact_share > 0)) return {};
+  const double tolerance = scene.time.tolerance.value_or(usual_tolerance),
+               part = std::sqrt(contact_share);
+  const double better = std::max(best, std::pow(10, std::floor(std::log10(little * part))));
+  if (!(tolerance > much * part) || !(better < tolerance)) return {};
+  return fmt::format(
+      "contacts hold {:.1g} of the energy, beside which time.tolerance = {:g} says little about "
+      "them: forces and shocks may be off by {:.0f} % and more. Try {:.0e}",
+      contact_share, tolerance, std::min(100.0, 100 * tolerance / part), better);
+}
+
 void print_energy(const Scene& scene, const EnergyBalance& energy) {
   print_line("energy",
              energy.samples < 2
@@ -128,6 +146,8 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
   print_line("nodes evaluated", fmt::format("{:.4g} a step, on average", r.nodes_evaluated));
   print_energy(scene, r.energy);
+  if (const std::string text = tolerance_text(scene, r.contact_share_of_energy); !text.empty())
+    print_line("warning", text);
   print_cost(r);
   print_line("file", printable(output.string()));
 }

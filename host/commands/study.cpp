@@ -197,7 +197,10 @@ int run_study_file(const StudyRequest& request) {
   StudyRuns runs = read_runs(request);
   if (request.threads > 0 && !why_fewer.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", why_fewer));
-  if (!request.list) require_other_seeds(runs.points, runs.census);
+  if (!request.list) {
+    require_other_scenes(runs.points, runs.census);
+    require_other_seeds(runs.points, runs.census);
+  }
   if (request.list || request.dry_run) return preview_study(runs, request, folder, shard, threads);
   const MarchedStudy marched = march_study(runs,
                                            {.folder = folder,

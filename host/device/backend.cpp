@@ -3,6 +3,7 @@
 
 #include <Kokkos_Core.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -35,7 +36,21 @@ Device* march_on(Device* device) { return std::exchange(where, device); }
 std::string backend_device() { return where != nullptr ? where->name() : std::string(); }
 std::size_t backend_memory() { return where != nullptr ? where->free_memory() / 10 * 9 : 0; }
 
+namespace {
+
+/// `threads` and `device` decide. Of a wrong value Kokkos would end the program.
+void forget_variables_of_kokkos() {
+  for (const char* name : {"KOKKOS_NUM_THREADS", "KOKKOS_DISABLE_WARNINGS",
+                           "KOKKOS_PRINT_CONFIGURATION", "KOKKOS_TUNE_INTERNALS"})
+    unsetenv(name);
+  if (marches_on_gpu) return;
+  for (const char* name : {"KOKKOS_DEVICE_ID", "KOKKOS_MAP_DEVICE_ID_BY"}) unsetenv(name);
+}
+
+}  // namespace
+
 Backend::Backend(int threads, int device) {
+  forget_variables_of_kokkos();
   card::require(device);
   Kokkos::InitializationSettings settings;
   settings.set_disable_warnings(true);  // about thread binding: one scene runs on one thread

@@ -22,11 +22,18 @@ bool is_rough(const SurfaceSpec& surface) {
   return surface.kind == SurfaceKind::gaussian || surface.kind == SurfaceKind::file;
 }
 
+/// The cure of a stiffness that is far too small.
+std::string soft_cure(double kappa, double most) {
+  constexpr double about = 100;
+  if (kappa * 1e9 <= about * most) return fmt::format("is it in MPa/mm ({:g} Pa/m)?", kappa * 1e9);
+  return "contacts are too wide and too long. 'ra2d plan' names the stiffness of Hertz's contacts";
+}
+
 /// In an areal scene: compares the spring of a node with a half-space of the material under a spot
 /// as wide as the node's cell, the narrowest contact that nodes show: kappa = 2 E* a/area. That of
 /// Hertz's contacts, 3 E*/(4 pi a), falls with their half-width a, at most half of the slider's.
 void doubt_point_stiffness(const Scene& scene, Doubts& doubts) {
-  constexpr double much_stiffer = 4, far_softer = 1e-3;
+  constexpr double much_stiffer = 4, far_softer = 0.1;
   const double modulus = plate_contact_modulus(scene), kappa = scene.contact.stiffness;
   if (!std::isfinite(modulus)) return;
   if (!is_rough(scene.resonator.surface) && !is_rough(scene.slider.surface)) return;
@@ -44,8 +51,9 @@ void doubt_point_stiffness(const Scene& scene, Doubts& doubts) {
   else if (kappa < far_softer * least)
     doubts.push_back(
         fmt::format("contact.stiffness = {:g} Pa/m: far softer than the bodies' "
-                    "material: is it in MPa/mm ({:g} Pa/m)?",
-                    kappa, kappa * 1e9));
+                    "material, which gives at least {:.2g} Pa/m under all of the "
+                    "slider: {}",
+                    kappa, least, soft_cure(kappa, most)));
 }
 
 /// Compares the contact stiffness with that of the bodies' materials.
@@ -56,7 +64,7 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
     doubt_point_stiffness(scene, doubts);
     return;
   }
-  constexpr double much_stiffer = 2, far_softer = 1e-3;
+  constexpr double much_stiffer = 2, far_softer = 1e-2;
   const double hertz = hertz_stiffness(scene), most = stiffest_half_space(scene);
   if (!std::isfinite(hertz)) return;  // neither body deforms
   const SurfaceSpec &of_resonator = scene.resonator.surface, &of_slider = scene.slider.surface;
@@ -79,10 +87,8 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
                                  "Hertz make them {}: shocks are too short and too hard",
                                  ratio, take));
   else if (contact.stiffness < far_softer * hertz)
-    doubts.push_back(
-        stiffness +
-        fmt::format("far softer than the bodies' material {}: is it in MPa/mm ({:g} Pa/m)?", take,
-                    contact.stiffness * 1e9));
+    doubts.push_back(stiffness + fmt::format("far softer than the bodies' material {}: {}", take,
+                                             soft_cure(contact.stiffness, most)));
 }
 
 /// Finds loads that nothing holds.

@@ -17,6 +17,10 @@ void EnergyAccount::add(const SampleBlock& b) {
       load_work_ = b.load_work[i];
     }
     begun_ = true;
+    if (b.contact[i] > 0) {
+      contact_ += b.contact[i];
+      bodies_ += b.kinetic[i] + b.elastic[i];
+    }
     balance_.samples = std::min(2, balance_.samples + 1);
     const double lost = b.damping_loss[i] - damping_loss_;
     const double slid = b.sliding_work[i] - sliding_work_, loaded = b.load_work[i] - load_work_;

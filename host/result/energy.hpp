@@ -29,11 +29,14 @@ class EnergyAccount {
   explicit EnergyAccount(double from = 0) : from_{from} {}
   void add(const SampleBlock& block);
   EnergyBalance balance() const { return balance_; }
+  /// Energy of the contact springs over that of both bodies, means over the samples in contact; NaN
+  /// where there are none.
+  double contact_share_of_energy() const { return bodies_ > 0 ? contact_ / bodies_ : quiet_nan; }
   /// Shows all that has to be saved to an archive.
   template <class Archive>
   void visit(Archive& archive) {
     archive(from_, begun_, start_, damping_loss_, sliding_work_, load_work_, balance_.residual,
-            balance_.turnover, balance_.samples);
+            balance_.turnover, balance_.samples, contact_, bodies_);
   }
 
  private:
@@ -41,6 +44,7 @@ class EnergyAccount {
   bool begun_ = false;
   double start_ = 0, damping_loss_ = 0, sliding_work_ = 0, load_work_ = 0;  // at the first sample
   EnergyBalance balance_;
+  double contact_ = 0, bodies_ = 0;  // J: sums over the samples in contact
 };
 
 }  // namespace ra2d

@@ -77,8 +77,10 @@ std::string difference(const Checkpoint& checkpoint, const Identity& run, const 
   return fault_of(checkpoint, model, outputs);
 }
 
-void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint) {
-  write_sealed(output.names().checkpoint, bytes_of(checkpoint), output.names().previous);
+void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint,
+                      bool last_is_damaged) {
+  write_sealed(output.names().checkpoint, bytes_of(checkpoint),
+               last_is_damaged ? std::filesystem::path{} : output.names().previous);
 }
 
 FoundCheckpoint find_checkpoint(const OutputNames& names, const Identity& run, const Model& model,

@@ -54,8 +54,10 @@ enum class Outputs { kept, not_kept };
 std::string difference(const Checkpoint& checkpoint, const Identity& run, const Model& model,
                        Outputs outputs = Outputs::kept);
 
-/// Writes a checkpoint; the one before is kept. Throws FileError.
-void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint);
+/// Writes a checkpoint; the one before is kept, if the last is damaged the one before that. Throws
+/// FileError.
+void write_checkpoint(const ClaimedOutput& output, const Checkpoint& checkpoint,
+                      bool last_is_damaged);
 
 struct FoundCheckpoint {
   std::optional<Checkpoint> checkpoint;  // to go on from

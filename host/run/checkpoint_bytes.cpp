@@ -13,7 +13,7 @@ namespace ra2d {
 namespace {
 
 constexpr const char* kind = "ra2d checkpoint";
-constexpr std::uint32_t format = 3;
+constexpr std::uint32_t format = 4;
 
 // One list of members serves both ways: a Packer appends what it is shown, an Unpacker fills it.
 

@@ -69,18 +69,22 @@ bool is_wanted(const ResultStamp& stamp) {
          stamp.ended == ending_name(Ending::out_of_time);
 }
 
-/// Whether the output has this run already, complete. Throws RequestError where something else
-/// stands there that must not be lost unasked.
-bool is_there(const std::filesystem::path& output, const std::string& key, const Scene& scene,
-              const RunOptions& options) {
+/// How much of a run an output has.
+enum class There { nothing, part, all };
+
+/// Finds what the output has of this run. Throws RequestError where something else stands there
+/// that must not be lost unasked.
+There what_is_there(const std::filesystem::path& output, const std::string& key, const Scene& scene,
+                    const RunOptions& options) {
   std::error_code none;
   if (!std::filesystem::exists(output, none) || std::filesystem::file_size(output, none) == 0)
-    return false;
+    return There::nothing;
   std::string what;
   bool is_replaced = options.force;
   try {
     const ResultStamp there = read_stamp(output);
-    if (there.key == key && !is_segment_name(output)) return there.complete && !options.fresh;
+    if (there.key == key && !is_segment_name(output))
+      return there.complete ? There::all : is_wanted(there) ? There::part : There::nothing;
     what = is_segment_name(output) ? "a segment of a run" : description(there, scene);
     is_replaced = is_replaced || !is_wanted(there);
   } catch (const UnreadableResult& fault) {
@@ -95,7 +99,7 @@ bool is_there(const std::filesystem::path& output, const std::string& key, const
                     output.string(), what));
   if (options.tell)
     options.tell(fmt::format("'{}' is {}: it will be replaced", output.string(), what));
-  return false;
+  return There::nothing;
 }
 
 /// One run on its way to its file.
@@ -179,10 +183,10 @@ class FiledRun {
   Clock::time_point begun_ = Clock::now(), shown_ = begun_;
 };
 
-/// Empty if there is no checkpoint. Throws FileError if every checkpoint is damaged, RequestError
-/// if it is that of another run.
+/// Empty if there is no checkpoint. Throws FileError if every checkpoint is damaged, or that of the
+/// part that is `there` is lost; RequestError if it is that of another run.
 std::optional<Checkpoint> checkpoint_to_go_on_from(
-    RunFiles& files, const Model& model, bool force,
+    RunFiles& files, const Model& model, There there, bool force,
     const std::function<void(const std::string&)>& tell) {
   FoundCheckpoint found = files.find(model, Outputs::kept);
   if (!found.difference.empty() && !force)
@@ -200,6 +204,12 @@ std::optional<Checkpoint> checkpoint_to_go_on_from(
   if (!found.damage.empty())
     tell(fmt::format("{}. The run goes on from '{}', which is older", found.damage,
                      found.file.string()));
+  if (!found.checkpoint && there == There::part)
+    throw FileError(fmt::format(
+        "'{}' has a part of this run, and its checkpoint '{}' is missing. It is left as it is: put "
+        "the checkpoint and '{}' beside it, or --fresh starts the run anew and replaces it",
+        files.names().result.string(), files.names().checkpoint.string(),
+        files.names().segments.string()));
   return std::move(found.checkpoint);
 }
 
@@ -217,7 +227,9 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   files.claim();
   ResultHeader header = result_header(model, key);
   header.beyond_limit = beyond_limit;
-  if (is_there(files.names().result, key, model.scene, options)) {
+  There there = what_is_there(files.names().result, key, model.scene, options);
+  if (options.fresh) there = There::nothing;
+  if (there == There::all) {
     files.remove();
     RunReport report;
     report.ending = Ending::there;
@@ -227,7 +239,8 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   const auto tell = [&](const std::string& text) {
     if (options.tell) options.tell(text);
   };
-  std::optional<Checkpoint> before = checkpoint_to_go_on_from(files, model, options.force, tell);
+  std::optional<Checkpoint> before =
+      checkpoint_to_go_on_from(files, model, there, options.force, tell);
   files.remove_after_checkpoint();
   if (before)
     tell(fmt::format("goes on from t = {:.6g} s, where its last checkpoint is",

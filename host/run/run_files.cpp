@@ -35,6 +35,7 @@ FoundCheckpoint RunFiles::find(const Model& model, Outputs outputs) {
   FoundCheckpoint found =
       find_checkpoint(names(), identity_of(key_, echo(model.scene)), model, outputs);
   has_checkpoint_ = found.checkpoint.has_value();
+  last_is_damaged_ = has_checkpoint_ && found.file == names().previous;
   vouched_ = has_checkpoint_ ? found.checkpoint->segments.size() : 0;
   return found;
 }
@@ -59,11 +60,13 @@ void RunFiles::keep(const SceneRun& run, SavedState state, double wall,
   std::vector<Segment> segments;
   if (recording_) segments = recording_->close_segment(so_far(), start_after(run.accounts().now));
   const std::size_t count = segments.size();
-  write_checkpoint(
-      *claimed_, {identity_of(key_, echo(run.model().scene)), std::move(state), run.accounts(),
-                  watch != nullptr ? watch->seen() : RunWatch::Seen{}, wall, std::move(segments)});
+  write_checkpoint(*claimed_,
+                   {identity_of(key_, echo(run.model().scene)), std::move(state), run.accounts(),
+                    watch != nullptr ? watch->seen() : RunWatch::Seen{}, wall, std::move(segments)},
+                   last_is_damaged_);
   vouched_ = count;
   has_checkpoint_ = true;
+  last_is_damaged_ = false;
   kept_ = std::chrono::steady_clock::now();
 }
 

@@ -60,6 +60,7 @@ class RunFiles {
   std::unique_ptr<ClaimedOutput> claimed_;
   std::size_t vouched_ = 0;  // segments that the last checkpoint vouches for
   bool has_checkpoint_ = false;
+  bool last_is_damaged_ = false;  // the run goes on from the checkpoint before it
   std::optional<Recording> recording_;
   std::optional<FileSink<Recording>> sink_;
   std::chrono::steady_clock::time_point kept_ = std::chrono::steady_clock::now();

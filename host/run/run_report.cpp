@@ -131,6 +131,7 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
   report.nodes_evaluated = static_cast<double>(now.evaluated) /
                            static_cast<double>(std::max<std::int64_t>(1, report.steps));
   report.energy = a.energy.balance();
+  report.contact_share_of_energy = a.energy.contact_share_of_energy();
   report.march_seconds = a.march_seconds;
   return report;
 }

@@ -32,6 +32,7 @@ struct RunReport : NoiseFigures {
   IntervalsOfRun intervals;  // of lv and shock_rate, by chance within this run
   MeshTone mesh;
   EnergyBalance energy;
+  double contact_share_of_energy = quiet_nan;
   double march_seconds = 0;  // in the kernels
   double wall_seconds = 0;
   double read_back_seconds = 0;  // of these: to read the file back

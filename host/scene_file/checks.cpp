@@ -215,7 +215,7 @@ void check_plane(const Scene& s, Document& document) {
     refuse(how.offset_y.has_value(), "offset_y", cure);
     refuse(how.when_short == ShortProfile::mirror, "short",
            "only maps are mirrored: expected \"refuse\" or \"repeat\" (or scene.kind = \"areal\")");
-    refuse(!how.form.empty() && !understand_form(how.form), "form",
+    refuse(understand_map_form(how.form) && !understand_form(how.form), "form",
            toml_string(how.form) + " is of maps: expected none, mean, line or poly:N");
   }
 }
@@ -514,6 +514,11 @@ void check_output(const Scene& s, Document& document) {
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
                                s.output.from, s.duration));
+  else if (is_window_of(s) && s.output.from >= s.output.window[1])
+    document.fault("output.from",
+                   fmt::format("{} s is not before the end of output.window, {} s, where the run "
+                               "ends: expected less, or drop one of them",
+                               s.output.from, s.output.window[1]));
   if (!s.output.window.empty() && !is_window_of(s))
     document.fault("output.window",
                    fmt::format("[{}] s is no stretch of the run: expected two times in "

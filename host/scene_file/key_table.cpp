@@ -469,7 +469,7 @@ const Keys<TimeSettings>& of_time() {
         choice(&T::contact_force, force_times, ForceTime::old_time),
         has_default<T>(),
         "take the contact force at the beginning or at the end of the step. With `\"new\"` the "
-        "scheme is fully implicit",
+        "scheme is fully implicit, but for moving forces",
         {"`backward-euler` under penalty", of_penalty_and_backward_euler}},
        {"step",
         number(&T::step, positive, "s"),

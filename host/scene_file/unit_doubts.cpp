@@ -137,31 +137,49 @@ double static_deflection(const BodySpec& body, double force) {
 }
 
 void doubt_loads(const Scene& scene, Doubts& doubts) {
-  constexpr double large = 0.1;    // of the length: theory of small deflections ends long before
+  constexpr double large = 0.1;    // of the length: more than anything bends
   constexpr double little = 0.02;  // of the weight
   const BodySpec& slider = scene.slider;
   const auto bends = [&](const std::string& key, double force) {
     if (scene.resonator.support != Support::pinned) return false;
     const double deflection = static_deflection(scene.resonator, force);
-    if (!(deflection > large * scene.resonator.length)) return false;
-    doubt(doubts, key, force,
-          fmt::format("it bends the resonator by {:.3g} m of its {:g} m", deflection,
-                      scene.resonator.length),
-          too_large);
+    const double length = scene.resonator.length, thickness = scene.resonator.thickness;
+    const bool is_plate = scene.resonator.kind == BodyKind::plate;
+    if (deflection > large * length)
+      doubt(doubts, key, force,
+            fmt::format("it bends the resonator by {:.3g} m of its {:g} m", deflection, length),
+            too_large);
+    else if (is_plate && deflection > thickness)  // a beam may draw in its ends
+      doubts.push_back(fmt::format(
+          "{} = {:g} N: it bends the plate by {:.3g} m, more than its thickness, {:g} m: "
+          "a plate that is bent so far is stretched, too, which the model leaves out",
+          key, force, deflection, thickness));
+    else
+      return false;
     return true;
   };
   for (std::size_t i = 0; i < scene.resonator.moving_forces.size(); ++i) {
     const MovingForce& force = scene.resonator.moving_forces[i];
     const std::string key = fmt::format("resonator.moving_force[{}]", i);
     bends(key + ".force", force.force);
+    const double end = force.start + force.speed * scene.duration;
+    if (std::max(force.start, end) < 0 || std::min(force.start, end) > scene.resonator.length)
+      doubt(doubts, key + ".start", force.start,
+            fmt::format("at {:g} m/s it is never on the resonator in {:g} s", force.speed,
+                        scene.duration),
+            millimetres);
     constexpr double fastest = 1000;  // m/s
     if (force.speed > fastest)
       doubt(doubts, key + ".speed", force.speed, "faster than a bullet", millimetres_a_second);
   }
-  if (slider.load_is_weight || slider.load == 0 || slider.support == Support::rigid) return;
-  if (bends("slider.load", slider.load)) return;
+  if (slider.support == Support::rigid) return;
   const double weight =
       9.80665 * slider.density * slider.length * slider.thickness * slider.width;  // N
+  const bool is_own_weight = slider.load_is_weight && slider.load_weights <= 1;
+  if (!is_own_weight &&
+      bends("slider.load", slider.load_is_weight ? slider.load_weights * weight : slider.load))
+    return;
+  if (slider.load_is_weight || slider.load == 0) return;
   if (std::abs(slider.load) < little * weight)
     doubt(doubts, "slider.load", slider.load,
           fmt::format("the slider alone weighs {:.3g} N", weight), too_small);
@@ -217,7 +235,7 @@ void doubt_spacing(const Scene& scene, const std::string& name, const BodySpec& 
         fmt::format("{}.surface: a peak of half_width {:g} m falls between nodes {:g} m "
                     "apart, which see little of it: scene.spacing = {:g} sees it",
                     name, narrowest, scene.spacing, narrowest / 10));
-  else if (!surface.peaks.empty() && narrowest > most_to_peak * scene.spacing)
+  else if (std::isfinite(narrowest) && narrowest > most_to_peak * scene.spacing)
     fine(narrowest, fmt::format("the half_width of a peak, {:g} m", narrowest));
 }
 

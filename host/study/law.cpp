@@ -174,7 +174,7 @@ StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
   const std::vector<std::size_t> fitted = fitted_axes(answers, law);
   const std::vector<double> amplitude = amplitudes(answers, of);
   if (amplitude.empty())
-    throw RequestError(fmt::format("no law: the table holds no {} (keep = [\"{}\"])", of.name,
+    throw RequestError(fmt::format("no law: the table holds no {}, for keep lacks \"{}\"", of.name,
                                    of.levels == nullptr ? "level" : "sound"));
   std::vector<std::size_t> runs;
   for (std::size_t i = 0; i < amplitude.size(); ++i)

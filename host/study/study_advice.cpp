@@ -30,6 +30,26 @@ void require_other_seeds(const StudyPoints& points, const PointCensus& census) {
   }
 }
 
+void require_other_scenes(const StudyPoints& points, const PointCensus& census) {
+  const std::vector<StudyDimension>& dimensions = points.study().dimensions;
+  std::size_t block = points.size();  // points that a value of the dimension has in a row
+  for (const StudyDimension& dimension : dimensions) {
+    const std::size_t values = dimension.size(), whole = block;
+    block /= values;
+    if (values < 2) continue;
+    const auto key = [&](std::size_t point) { return census.keys[point]; };
+    bool changes = false;
+    for (std::size_t point = 0; point < points.size() && !changes; ++point)
+      changes = point % whole + block < whole && key(point) != key(point + block);
+    if (changes) continue;
+    throw RequestError(
+        fmt::format("{}: vary.{}: {} changes nothing of these scenes, so all its values would be "
+                    "one run ('ra2d plan SCENE' says what a scene does not use). Drop the "
+                    "dimension, or vary what it acts on",
+                    points.study().file.string(), dimension.name, fmt::join(dimension.keys, ", ")));
+  }
+}
+
 std::vector<std::string> study_doubts(const StudyPoints& points) {
   constexpr std::size_t most_scenes = 300;
   std::vector<std::size_t> chosen{0};

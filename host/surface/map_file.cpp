@@ -63,6 +63,16 @@ double mean_square(const HeightMap& map) {
          static_cast<double>(map.heights.size());
 }
 
+/// Root mean square.
+double rms_slope_along(const HeightMap& map) {
+  double squares = 0;
+  for (std::size_t i = 1; i < map.heights.size(); ++i)
+    if (i % map.nx != 0)
+      squares += (map.heights[i] - map.heights[i - 1]) * (map.heights[i] - map.heights[i - 1]);
+  const auto rises = static_cast<double>(map.heights.size() - map.ny);
+  return rises > 0 ? std::sqrt(squares / rises) / map.spacing : 0;
+}
+
 }  // namespace
 
 HeightMap to_height_map(const std::filesystem::path& file, BareMap bare, const MapQuery& query) {
@@ -123,6 +133,12 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
         fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: was that meant in "
                     "metres?",
                     name, map.spacing, map.spacing_y));
+  if (const double slope = rms_slope_along(map); slope > usual_faces::steepest)
+    doubts->push_back(
+        fmt::format("{}: along x its slopes have a root mean square of {:.3g}, steeper than any "
+                    "face: are heights and spacings in their units (a profile, or a list of "
+                    "points, is no map)?",
+                    name, slope));
   if (how.form.degree >= 1) return;
   HeightMap level = map;
   remove_map_form(level, {1});

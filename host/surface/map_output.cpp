@@ -43,9 +43,9 @@ bool is_npy_name(const std::filesystem::path& file) { return file.extension() ==
 void write_height_map(const std::filesystem::path& file, const HeightMap& map,
                       const std::string& title) {
   const bool as_npy = is_npy_name(file);
-  std::string comment = title;  // commas and semicolons part entries of a header
+  std::string comment = title;  // without what makes entries of a header
   std::ranges::replace_if(
-      comment, [](char c) { return c == ',' || c == ';'; }, ' ');
+      comment, [](char c) { return c == ',' || c == ';' || c == '='; }, ' ');
   PartialFile out(file);
   out.write(as_npy ? npy_header(map.ny, map.nx)
                    : fmt::format("# {}\n# z [m], a row of constant y in each line; spacing = {} m, "

@@ -39,12 +39,15 @@ struct MatrixHeader {
 };
 
 /// Reads "spacing = 8 um" or "spacing_y = 8 um": an entry of the header, between commas or
-/// semicolons.
+/// semicolons, or behind the unit of the heights.
 void read_spacing(const std::filesystem::path& file, std::string_view entry, std::size_t number,
                   MatrixHeader& header) {
   const std::size_t sign = entry.find_first_of("=:");
   if (sign == entry.npos) return;
-  std::string name(trimmed(entry.substr(0, sign), " \t#%;*/\""));
+  std::string_view before = entry.substr(0, sign);
+  if (const std::size_t unit = before.find_last_of("])"); unit != before.npos)
+    before.remove_prefix(unit + 1);
+  std::string name(trimmed(before, " \t#%;*/\""));
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   if (name != "spacing" && name != "spacing_y") return;

@@ -11,6 +11,7 @@
 #include "host/base/quiet_nan.hpp"
 #include "host/surface/profile_filter.hpp"
 #include "host/surface/sum.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
@@ -145,6 +146,13 @@ Measurement measure_profile(Profile profile, const MeasureOptions& given, const 
   if (options.cutoff_s && *options.cutoff_s < profile.spacing)
     doubt(fmt::format("--cutoff-s {:g} is less than a step of the profile and changes nothing",
                       *options.cutoff_s));
+  if (const double slope = rms_slope(profile.heights, profile.spacing);
+      slope > usual_faces::steepest)
+    doubt(
+        fmt::format("its slopes have a root mean square of {:.3g}, steeper than any face: are x "
+                    "and z in the units that the file or the options say, and is every height a "
+                    "height?",
+                    slope));
   shape_profile(profile, options.form, options.cutoff_s, std::nullopt);
   std::vector<double>& z = profile.heights;
   std::vector<double> stratified;  // the profile of Rk, where that is another one

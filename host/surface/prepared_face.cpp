@@ -15,6 +15,7 @@
 #include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
+#include "host/surface/profile_text.hpp"
 #include "host/surface/repeated_place.hpp"
 #include "host/surface/sum.hpp"
 #include "host/surface/usual_faces.hpp"
@@ -117,17 +118,22 @@ void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
                       const CarryingBody& body, std::vector<std::string>* doubts) {
   const double depth = body.thickness > 0 ? body.thickness : body.length;
   const char* const what = body.thickness > 0 ? "thick" : "long";
+  // SDF and X3P have units of their own
+  const bool has_units = format_of(file) != ProfileFormat::text;
   if (face.height > depth * (body.thickness > 0 ? usual_faces::largest_share : 1))
-    refuse_face(file, fmt::format("the heights span {:.6g} m on a {} {:.6g} m {}: say with z_unit "
-                                  "what they are in, or take a form off",
-                                  face.height, body.name, depth, what));
+    refuse_face(file, fmt::format("the heights span {:.6g} m on a {} {:.6g} m {}: {}, or take a "
+                                  "form off",
+                                  face.height, body.name, depth, what,
+                                  has_units ? "mend its scale of z, which is in metres"
+                                            : "say with z_unit what they are in"));
   if (face.slope > usual_faces::steepest)
-    refuse_face(file,
-                fmt::format("the slopes have a root mean square of {:.3g}, steeper than any "
-                            "face: say with {} in",
-                            face.slope,
-                            body.name == std::string("beam") ? "x_unit and z_unit what x and z are"
-                                                             : "z_unit what the heights are"));
+    refuse_face(
+        file, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any face: {}",
+                          face.slope,
+                          has_units ? "mend its scales of x and z, which are in metres"
+                          : body.name == std::string("beam")
+                              ? "say with x_unit and z_unit what x and z are in"
+                              : "say with z_unit what the heights are in"));
   if (doubts == nullptr) return;
   if (face.height > usual_faces::large_share * depth)
     doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a {} {:.3g} m {}",
@@ -146,6 +152,7 @@ std::string in_keys(std::string text) {
       {"--decimal", "decimal"},
       {"--spacing-y", "spacing_y"},
       {"--spacing", "spacing"},
+      {"--x-unit m", "x_unit = \"m\""},
       {"--x-unit", "x_unit"},
       {"--z-unit m", "z_unit = \"m\""},
       {"--z-unit", "z_unit"},
@@ -170,7 +177,8 @@ double RepeatedProfile::at(std::size_t point) const {
 }
 
 bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& file) {
-  return spec.prepared != FilePreparation{} || format_of(file) != ProfileFormat::text;
+  return spec.prepared != FilePreparation{} || format_of(file) != ProfileFormat::text ||
+         !is_plain_text(file);
 }
 
 std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem::path& file,

@@ -18,6 +18,7 @@
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
+#include "host/surface/text_dialect.hpp"
 #include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
@@ -42,6 +43,8 @@ std::string understand(const std::vector<std::string_view>& words,
   for (std::size_t i = 0; i < 2; ++i) {
     if (!values[i])
       return fmt::format("{} is not a number, expected x and z in metres", quoted(words[i]));
+    if (is_missing_word(words[i]))
+      return "a height is missing: fill = \"linear:WIDTH\" puts straight lines through gaps";
     if (!std::isfinite(*values[i]))
       return fmt::format("{} is not a finite number in double precision", quoted(words[i]));
   }

@@ -33,6 +33,7 @@ struct TextHeader {
   std::vector<Unit> units;  // by column; an empty word where the header has none
   Unit loose;
   std::size_t lines = 0;  // before the first line of numbers
+  std::size_t words = 0;  // of these, lines that are more than a comment
 };
 
 /// "z [um]", "z_um", "z/um", "z um": the unit; nothing where the field has none.
@@ -121,7 +122,10 @@ std::pair<TextDialect, TextHeader> recognize(const std::filesystem::path& file,
   TextHeader header;
   header.units.resize(dialect.columns);
   header.lines = first_line - 1;
-  for (const auto& [number, text] : before) read_header_line(text, number, dialect, file, header);
+  for (const auto& [number, text] : before) {
+    read_header_line(text, number, dialect, file, header);
+    if (!trimmed(std::string_view(text).substr(0, text.find('#'))).empty()) ++header.words;
+  }
   return {dialect, header};
 }
 
@@ -169,8 +173,8 @@ std::optional<LengthUnit> agreed_unit(const std::filesystem::path& file, const T
   if (unit || option) return unit ? unit : option;
   if (!own.word.empty())
     throw RequestError(
-        fmt::format("{}: {} is in {}, which is none of m, mm, um and nm: say with "
-                    "--{}-unit what it is in",
+        fmt::format("{}: {} is in {}, which is none of m, mm, um and nm: bring it to one of these, "
+                    "and say with --{}-unit which",
                     place(file, own.line), axis, ra2d::quoted(own.word), axis));
   if (!header.loose.word.empty())
     throw RequestError(
@@ -260,7 +264,20 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
         file.string(), high - low, slope));
 }
 
+bool is_metres(const std::string& word) { return word.empty() || word == "m"; }
+
 }  // namespace
+
+bool is_plain_text(const std::filesystem::path& file) try {
+  const auto [dialect, header] = recognize(file, {});
+  const bool is_split_by_words =
+      dialect.separator == ' ' || dialect.separator == ',' || dialect.separator == '\t';
+  return is_split_by_words && !dialect.decimal_comma && !dialect.closed && dialect.columns == 2 &&
+         header.words <= 1 && is_metres(header.units[0].word) && is_metres(header.units[1].word) &&
+         is_metres(header.loose.word);
+} catch (const RequestError&) {
+  return false;  // who reads it says why
+}
 
 Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery& query) {
   const auto [dialect, header] = recognize(file, query);

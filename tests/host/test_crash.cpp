@@ -275,11 +275,29 @@ TEST_F(Crash, OfADamagedCheckpointTheOneBeforeIsTaken) {
   std::string bytes = read_file(checkpoint());
   bytes[bytes.size() / 2] ^= 1;
   std::ofstream(checkpoint(), std::ios::binary) << bytes;
+  const std::string older = read_file(previous());
+  const Ended cut = run({"--checkpoint", "1e6", "--max-wall", "1e-3"});
+  EXPECT_EQ(cut.status, 5) << cut.err;
+  EXPECT_THAT(cut.err, HasSubstr("out.h5.checkpoint' is damaged"));
+  EXPECT_THAT(cut.err, HasSubstr("out.h5.checkpoint.previous', which is older"));
+  // its own checkpoint takes the place of the damaged one, not that of the one that is whole
+  EXPECT_EQ(read_file(previous()), older);
   const Ended again = run();
   EXPECT_EQ(again.status, 0) << again.err;
-  EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint' is damaged"));
-  EXPECT_THAT(again.err, HasSubstr("out.h5.checkpoint.previous', which is older"));
   EXPECT_EQ(content_of(out_), expected);
+  EXPECT_EQ(entries(), only_result);
+}
+
+TEST_F(Crash, APartWhoseCheckpointIsLostIsNotReplacedUnasked) {
+  cut_off();
+  const std::string part = read_file(out_);
+  fs::remove(checkpoint());
+  fs::remove(previous());
+  const Ended again = run();
+  EXPECT_EQ(again.status, 4);
+  EXPECT_THAT(again.err, AllOf(HasSubstr("out.h5.checkpoint' is missing"), HasSubstr("--fresh")));
+  EXPECT_EQ(read_file(out_), part);
+  EXPECT_EQ(run({"--fresh"}).status, 0);
   EXPECT_EQ(entries(), only_result);
 }
 

@@ -104,6 +104,14 @@ TEST(Doubts, SayWhichUnitWasMeant) {
   EXPECT_THAT(of("slider.damping=0.9"), Contains(HasSubstr("is it in per cent (0.009)?")));
   EXPECT_THAT(said("moving-force", {"resonator.moving_force=[{force=1e5,speed=20,start=0}]"}),
               Contains(HasSubstr("resonator.moving_force[0].force = 100000 N: it bends")));
+  const auto force_from = [&](const std::string& start) {
+    return said("moving-force",
+                {"resonator.moving_force=[{force=1,speed=20,start=" + start + "}]"});
+  };
+  EXPECT_THAT(force_from("5"), Contains(AllOf(HasSubstr("moving_force[0].start = 5 m: at 20 m/s it "
+                                                        "is never on the resonator"),
+                                              HasSubstr("is it in mm (0.005 m)?"))));
+  EXPECT_THAT(force_from("-0.1"), Not(Contains(HasSubstr("never on"))));
   EXPECT_THAT(said("drop", {"scene.gap=0.02"}), Contains(HasSubstr("is it in mm (2e-05 m)?")));
   EXPECT_THAT(
       said("drop", {"slider.surface.peaks=[{at=0.01,height=0.01,half_width=2e-4}]", "scene.gap=1"}),
@@ -113,6 +121,18 @@ TEST(Doubts, SayWhichUnitWasMeant) {
                   "slider.surface.peaks[0].half_width = 0.2 m: wider than the body is long")));
   EXPECT_THAT(said("drop", {"slider.surface.peaks=[{at=0.01,height=1e-5,half_width=2e-5}]"}),
               Contains(HasSubstr("falls between nodes")));
+}
+
+/// By its first mode 4 F/(m omega^2): 200 N bend the plate of 300 x 200 x 2 mm by 0.68 mm, 600 N
+/// by 2.05 mm.
+TEST(Doubts, APlateIsStretchedWhereItIsBentByMoreThanItsThickness) {
+  const auto of = [](const std::string& load) {
+    return said("areal", {"scene.spacing=1e-4", "slider.load=" + load});
+  };
+  EXPECT_THAT(of("200"), Not(Contains(HasSubstr("slider.load"))));
+  EXPECT_THAT(of("600"), Contains(AllOf(HasSubstr("slider.load = 600 N: it bends the plate by"),
+                                        HasSubstr("stretched"))));
+  EXPECT_THAT(of("'1e3 weight'"), Contains(HasSubstr("it bends the plate by")));
 }
 
 TEST(Doubts, AnArealContactAgainstItsMaterial) {
@@ -134,6 +154,10 @@ TEST(Doubts, AnArealContactAgainstItsMaterial) {
   EXPECT_THAT(of("1e16", "contact.law='multiplier'"),
               Not(Contains(HasSubstr("contact.stiffness"))));
   EXPECT_THAT(of("1e7"), Contains(HasSubstr("is it in MPa/mm (1e+16 Pa/m)?")));
+  // under all of the slider, a = 10 mm: 3 E*/(4 pi a) = 2.8e12 Pa/m
+  EXPECT_THAT(of("1e11"), Contains(AllOf(HasSubstr("far softer"), HasSubstr("2.8e+12 Pa/m"),
+                                         HasSubstr("too wide and too long"))));
+  EXPECT_THAT(of("1e12"), Not(Contains(HasSubstr("contact.stiffness"))));
 }
 
 TEST(Doubts, AGapThatPressesTheFacesFarIntoOneAnother) {

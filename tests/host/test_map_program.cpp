@@ -104,6 +104,24 @@ TEST_F(MapProgram, PreparesAMeasuredMap) {
   for (const double z : out.heights) EXPECT_LT(std::abs(z), 0.5e-6);  // no tilt is left
 }
 
+TEST_F(MapProgram, DoubtsSlopesThatNoFaceHas) {
+  std::ofstream points(folder_.path() / "points.txt"), rows(folder_.path() / "rows.txt");
+  rows << "z [um] spacing = 10 um, spacing_y = 0.02 mm\n";
+  for (int i = 0; i < 100; ++i) {
+    points << fmt::format("{:.6f} {}\n", 1e-5 * i, 1e-7 * (i % 7));
+    for (int j = 0; j < 50; ++j) rows << (i + j) % 7 << (j < 49 ? ' ' : '\n');
+  }
+  points.close();
+  rows.close();
+  const Ended list = run({"map", "points.txt", "--spacing", "1e-6", "--z-unit", "m"});
+  EXPECT_EQ(list.status, 0);
+  EXPECT_THAT(list.err, AllOf(HasSubstr("steeper than any face"), HasSubstr("list of points")));
+  const Ended map = run({"map", "rows.txt", "--json"});
+  EXPECT_EQ(map.err, "");
+  EXPECT_EQ(Json::parse(map.out)["spacing"], 1e-5);
+  EXPECT_EQ(Json::parse(map.out)["spacing_y"], 2e-5);
+}
+
 TEST_F(MapProgram, RefusesWithTheCure) {
   std::ofstream(folder_.path() / "m.csv") << "1e-7 2e-7\n3e-7 4e-7\n";
   std::ofstream(folder_.path() / "mine.npy") << "not ra2d's";

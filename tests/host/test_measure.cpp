@@ -44,6 +44,20 @@ std::string fault(const Profile& profile, const MeasureOptions& options) {
   return "no error";
 }
 
+TEST(Measure, DoubtsSlopesThatNoFaceHas) {
+  Profile profile = sine(5000);
+  const MeasureOptions options{.filter = ProfileFilter::none};
+  EXPECT_TRUE(measure_profile(profile, options, "NAME").doubts.empty());
+  // a height that stands for a missing one
+  Profile spike = profile;
+  spike.heights[1000] = -9999e-6;
+  EXPECT_THAT(measure_profile(spike, options, "NAME").doubts,
+              testing::Contains(HasSubstr("NAME: its slopes have a root mean square of")));
+  for (double& z : profile.heights) z *= 1e3;  // in mm
+  EXPECT_THAT(measure_profile(profile, options, "NAME").doubts,
+              testing::Contains(HasSubstr("steeper than any face")));
+}
+
 TEST(Measure, DropsHalfACutoffAtEachEndAndTakesFiveSamplingLengths) {
   const MeasureOptions options{.cutoff = 800e-6};
   for (const auto& [count, fitting] : {std::pair{1600, 1},

@@ -91,6 +91,32 @@ TEST_F(PreparedFace, WithoutKeysATextIsReadAsBefore) {
   for (std::size_t n = 0; n < plain.size(); ++n) EXPECT_NEAR(plain[n], with_units[n], 1e-20);
 }
 
+TEST_F(PreparedFace, ATextWithUnitsOrMarksOfItsOwnIsReadAsMeasuredOnesAre) {
+  const std::vector<double> expected = [&] {
+    write("0 0\n1e-4 2e-6\n2e-4 0\n");
+    return face(2e-4, 0.5e-4);
+  }();
+  const auto is_plain = [&] { return !needs_preparation(spec, folder.path() / "profile"); };
+  for (const char* text :
+       {"x [m],z [um]\n0,0\n1e-4,2\n2e-4,0\n", "x [mm] z [m]\n0 0\n0.1 2e-6\n0.2 0\n",
+        "# x_mm z_um\n0 0\n0.1 2\n0.2 0\n", "0;0\n0,0001;2e-6\n0,0002;0\n",
+        "a name\nx, z\n0 0\n1e-4 2e-6\n2e-4 0\n"}) {
+    write(text);
+    EXPECT_FALSE(is_plain()) << text;
+    const std::vector<double> read = face(2e-4, 0.5e-4);
+    ASSERT_EQ(read.size(), expected.size());
+    for (std::size_t n = 0; n < read.size(); ++n) EXPECT_NEAR(read[n], expected[n], 1e-20) << text;
+  }
+  for (const char* text :
+       {"0 0\n1 2e-6\n2 0\n", "x [m],z [m]\n0,0\n1,2e-6\n2,0\n", "x z\n0\t0\n1\t2e-6\n2\t0\n",
+        "# a comment\n# another one\nx z\n0, 0\n1, 2e-6\n2, 0\n"}) {
+    write(text);
+    EXPECT_TRUE(is_plain()) << text;
+  }
+  write("x [m] z [in]\n0 0\n1e-4 2e-6\n2e-4 0\n");
+  EXPECT_THAT(fault(2e-4, 0.5e-4), HasSubstr("z is in \"in\", which is none of m, mm, um and nm"));
+}
+
 TEST_F(PreparedFace, ALineOfAnArealFileByItsContent) {
   write(
       "aISO-1.0\nNumPoints = 3\nNumProfiles = 2\nXscale = 1e-3\nYscale = 2e-3\nZscale = 1e-6\n"

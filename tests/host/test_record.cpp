@@ -126,6 +126,9 @@ TEST(EnergyAccount, BeginsWithTheFirstSampleThatCounts) {
   EXPECT_EQ(account.balance().residual, 10 + 3 - 3 - 4.5 - 6);
   EXPECT_EQ(account.balance().turnover, 10);
   EXPECT_EQ(account.balance().samples, 2);
+  // in contact at 2 alone
+  EXPECT_EQ(account.contact_share_of_energy(), 1.0 / (6 + 1));
+  EXPECT_TRUE(std::isnan(EnergyAccount().contact_share_of_energy()));
 }
 
 TEST(Accounts, BeginAtTheAskedStepWhereverALaunchWouldEnd) {

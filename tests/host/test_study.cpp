@@ -380,6 +380,23 @@ TEST(StudyPoints, SeedsThatChangeNothingAreRefused) {
                     HasSubstr("Expected seeds = 1")));
 }
 
+TEST(StudyPoints, ADimensionThatChangesNothingIsRefused) {
+  const auto refused = [](const std::string& vary, const std::string& set = "") {
+    const StudyPoints points(study_of("base = \"b\"\n[set]\n" + set + "[vary]\n" + vary));
+    return refusal_of([&] { require_other_scenes(points, PointCensus(points)); });
+  };
+  const std::string step = "step = { key = \"time.step\", values = [1e-8, 1e-7] }\n",
+                    speed = "speed = { key = \"scene.speed\", values = [0.1, 0.2, 0.3] }\n";
+  for (const std::string& vary : {step, step + speed, speed + step})
+    EXPECT_THAT(refused(vary, "time.scheme = \"adaptive\"\n"),
+                AllOf(HasSubstr("vary.step: time.step changes nothing"), HasSubstr("one run")));
+  EXPECT_EQ(refused(speed), "nothing was refused");
+  // some of the combinations are enough
+  EXPECT_EQ(
+      refused("scheme = { key = \"time.scheme\", values = [\"adaptive\", \"midpoint\"] }\n" + step),
+      "nothing was refused");
+}
+
 TEST(StudyPoints, DoubtsAreSaidOnceForAllScenes) {
   const auto said = [](const std::string& text) {
     return study_doubts(StudyPoints(study_of(text)));

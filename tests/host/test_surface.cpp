@@ -440,7 +440,9 @@ TEST_F(ProfileFile, NamesWhatCannotBeRead) {
 }
 
 TEST_F(ProfileFile, RefusesAFileOfMoreThanAGibibyte) {
-  std::ofstream(folder / "large.csv") << "0 1\n";
+  std::ofstream text(folder / "large.csv");
+  for (int i = 0; i < 2000; ++i) text << i << " 1\n";
+  text.close();
   std::filesystem::resize_file(folder / "large.csv", (1u << 30) + 1);  // sparse
   try {
     read_existing("large.csv");
@@ -453,9 +455,9 @@ TEST_F(ProfileFile, RefusesAFileOfMoreThanAGibibyte) {
 TEST_F(ProfileFile, SaysWhichLineIsWrongAndWhy) {
   EXPECT_THAT(fault("0 1\n1 two\n2 3\n3 4\n"), HasSubstr("profile.csv:2: \"two\" is not a number"));
   EXPECT_THAT(fault("0 1\n1 2\n\n2 0x3\n3 4\n"), HasSubstr(":4: \"0x3\" is not a number"));
-  EXPECT_THAT(fault("0;1\n1;2\n2;3\n"), HasSubstr(":2: 1 columns, expected 2"));
+  EXPECT_THAT(fault("0;1\n1;2\n2;3\n"), HasSubstr("x runs over 2 in steps of 1, without a unit"));
   EXPECT_THAT(fault("0 1\n1 +-2\n2 3\n3 4\n"), HasSubstr(":2: \"+-2\" is not a number"));
-  EXPECT_THAT(fault("0 1\n1 nan\n2 3\n3 4\n"), HasSubstr(":2: \"nan\" is not a finite number"));
+  EXPECT_THAT(fault("0 1\n1 nan\n2 3\n3 4\n"), HasSubstr(":2: a height is missing: fill = "));
   EXPECT_THAT(fault("0 1\n1 1e999\n2 3\n3 4\n"), HasSubstr(":2: \"1e999\" is not a finite number"));
   EXPECT_THAT(fault("0 1\n1 2 3\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
   EXPECT_THAT(fault("0 1\n1,2,\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
@@ -467,7 +469,9 @@ TEST_F(ProfileFile, SaysWhichLineIsWrongAndWhy) {
               HasSubstr(":2: x steps by 0.001 m, expected an even spacing of 0.0011 m"));
   EXPECT_THAT(fault("0.0000000 1\n1.0000000 2\n2.0000021 3\n3.0000021 4\n"), HasSubstr(":3: "));
   EXPECT_THAT(fault("x z\n1 2\n"), HasSubstr("1 points, expected at least 2"));
-  EXPECT_THAT(fault(""), HasSubstr("0 points, expected at least 2"));
+  EXPECT_THAT(fault(""), HasSubstr("no line of numbers, expected columns x and z"));
+  EXPECT_THAT(fault("0 1 2\n1 2 3\n"),
+              HasSubstr(":1: 3 columns, expected x and z; say with column"));
   EXPECT_THAT(fault("0 1\n1 2\n2 3\n"), HasSubstr("the profile is 2 m long and the beam 3 m"));
 }
 

@@ -105,6 +105,8 @@ class Result:
         self.path = pathlib.Path(path).resolve()
         self._file = stored.File(self.path)
         self.attrs = self._file.attributes()  # of the file, as docs/results.md lists them
+        if any(isinstance(value, np.ndarray) for value in self.attrs.values()):
+            raise FileError(f"{str(path)!r} is damaged: one of its attributes is an array")
         if self.attrs.get("creator") != "ra2d" or "steps" not in self.attrs:
             raise FileError(f"{str(path)!r} is no result of 'ra2d run'")
         if self.attrs.get("format") not in FORMATS:
@@ -119,7 +121,8 @@ class Result:
             self.title = str(self._scene["scene"].get("name", self.path.stem))  # the scene's name
             # False: cut short; attrs["ended"] says why
             self.complete = bool(self.attrs["complete"])
-        except (AttributeError, KeyError, TypeError, RequestError) as fault:
+            self._counted_from = float(self._scene.get("output", {}).get("from", 0.0))
+        except (AttributeError, KeyError, TypeError, ValueError, RequestError) as fault:
             raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
         self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
         self._hears: tuple[str, ...] = ()  # options of with_microphones()
@@ -351,8 +354,9 @@ class Result:
 
     def _probes(self, group: str) -> xr.Dataset:
         if not self.is_areal:
-            return self._file.read(group, _PROBES)
-        return self._file.read(group, _AREAL_PROBES).set_coords(["position", "y"])
+            return self._file.read(group, _PROBES, _PROBES)
+        return self._file.read(group, _AREAL_PROBES,
+                               _AREAL_PROBES).set_coords(["position", "y"])
 
     @property
     def is_areal(self) -> bool:
@@ -370,7 +374,8 @@ class Result:
         >>> float(getfixture("result").contact.force.min()) >= 0
         True
         """
-        return self._file.read("contact", {**_SAMPLED, "force": ("time",), "nodes": ("time",)})
+        dims = {**_SAMPLED, "force": ("time",), "nodes": ("time",)}
+        return self._file.read("contact", dims, dims)
 
     @property
     def energy(self) -> xr.Dataset:
@@ -381,8 +386,8 @@ class Result:
         'J'
         """
         names = ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")
-        series = self._file.read("energy", {name: ("time",) for name in names})
-        return series.assign_coords(self._file.read("/", _SAMPLED).coords)
+        series = self._file.read("energy", {name: ("time",) for name in names}, names)
+        return series.assign_coords(self._file.read("/", _SAMPLED, _SAMPLED).coords)
 
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over
@@ -394,7 +399,9 @@ class Result:
         >>> getfixture("result").modes("slider").sizes["mode"]
         2
         """
-        return self._file.read(_one_of("body", body, BODIES), _MODES)
+        shapes = ("shape_x", "shape_y", "y") if self.is_areal else ("shape",)
+        return self._file.read(_one_of("body", body, BODIES), _MODES,
+                               ("mode", "position", "frequency", *shapes))
 
     def field(self, time: float | slice | Any, body: Body = "resonator",
               what: Motion = "displacement") -> xr.DataArray:
@@ -415,6 +422,9 @@ class Result:
                 "scene has "
                                "output.modes = \"none\"")
         series = modes[what]
+        if series.dtype.kind != "f" or not (np.diff(modes.time.values) > 0).all():
+            raise FileError(f"{str(self.path)!r} is damaged: its times do not rise, or its {what} "
+                            "is no series of numbers. 'ra2d check' says what of it is damaged")
         if not isinstance(time, slice):
             _require_within(time, modes.time)
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
@@ -441,7 +451,9 @@ class Result:
         """
         dims = {"position": ("position",), "y": ("y",), "height": ("y", "position") if self.is_areal
                 else ("position",)}
-        return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims)["height"]
+        needed = [*dims] if self.is_areal else ["position", "height"]
+        return self._file.read(f"surface/{_one_of('body', body, BODIES)}", dims,
+                               needed)["height"]
 
     def height_hash(self, body: Body = "resonator") -> str:
         """The `xxh3_128` of a face's heights, by which a profile is recognised.
@@ -578,7 +590,7 @@ class Result:
         >>> getfixture("result").counted_from
         0.0
         """
-        return float(self._scene.get("output", {}).get("from", 0.0))
+        return self._counted_from
 
     @property
     def duration(self) -> float:

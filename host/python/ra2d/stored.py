@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import pathlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import h5py
@@ -84,11 +84,16 @@ class File:
                             "check' says what "
                             "of it is damaged") from fault
 
-    def read(self, group: str, dims: Mapping[str, tuple[str, ...]]) -> xr.Dataset:
+    def read(self, group: str, dims: Mapping[str, tuple[str, ...]],
+             numbers: Iterable[str] = ()) -> xr.Dataset:
         """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left
-        out. Datasets with the name of a dimension are its coordinates."""
+        out. Datasets with the name of a dimension are its coordinates. Raises FileError where one
+        of `numbers` is missing, or has no numbers."""
         variables = {}
         with self.opened() as file:
+            for name in numbers:
+                if file[group][name].dtype.kind not in "fiu":  # KeyError where there is none
+                    raise TypeError(f"{group}/{name} has no numbers")
             for name, of in dims.items():
                 if name in file[group]:
                     stored = file[group][name]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Wrong requests and damaged files: each is an error of this package, in a plain sentence with the
 cure."""
+import math
 import os
 import pathlib
 import re
@@ -143,7 +144,12 @@ def test_wrong_variations(base, vary, words):
     lambda file: file.attrs.__delitem__("complete"),
     lambda file: file.attrs.__setitem__("scene", "[x"),
     lambda file: file.attrs.__setitem__("scene", "scene = 5"),
-    lambda file: file.attrs.__setitem__("scene", "")])
+    lambda file: file.attrs.__setitem__("scene", ""),
+    lambda file: file.attrs.__setitem__("scene", file.attrs["scene"] + "\n[[output]]"),
+    lambda file: file.attrs.__setitem__("scene", re.sub("from = .*", 'from = "a"',
+                                                        str(file.attrs["scene"]))),
+    lambda file: file.attrs.__setitem__("format", [3, 3]),
+    lambda file: file.attrs.__setitem__("complete", [1, 1])])
 def test_damaged_headers(damaged, damage):
     with pytest.raises(ra2d.FileError, match="is damaged|has format None"):
         damaged(damage)
@@ -163,6 +169,40 @@ def short_probes(file):
 def test_damaged_groups(damaged, damage):
     with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
         damaged(damage).probes
+
+
+def without(name):
+    return lambda file: file.__delitem__(name)
+
+
+def as_texts(name):
+    def replace(file):
+        size = file[name].shape[0]
+        del file[name]
+        file[name] = ["a"] * size
+    return replace
+
+
+def time_with(value):
+    return lambda file: file["time"].__setitem__(100, value)
+
+
+@pytest.mark.parametrize("damage, read", [
+    (without("resonator/shape"), lambda result: result.field(0.001)),
+    (without("resonator/frequency"), lambda result: result.listen()),
+    (as_texts("resonator/frequency"), lambda result: result.listen()),
+    (without("probes/velocity"), lambda result: result.listen()),
+    (as_texts("probes/position"), lambda result: result.listen()),
+    (without("surface/slider/height"), lambda result: result.profile("slider")),
+    (without("contact/force"), lambda result: result.contact),
+    (without("energy/kinetic"), lambda result: result.energy),
+    (as_texts("resonator/displacement"), lambda result: result.field(0.001)),
+    (time_with(math.nan), lambda result: result.field(0.001)),
+    (time_with(1e300), lambda result: result.field(slice(0.001, 0.002))),
+    (time_with(0.0), lambda result: result.field(0.001))])
+def test_damaged_series(damaged, damage, read):
+    with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
+        read(damaged(damage))
 
 
 def test_results_of_programs_whose_faces_were_linear_by_default(damaged):
