@@ -121,12 +121,18 @@ void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& w
           : 0.0;
   // in contact half of the time
   work.march = ns * work.steps *
-               (count.wide * (0.5 * (step_costs::flight + in_contact + more + solved) +
-                              stages * count.forces * step_costs::travelling_force) +
-                all_nodes);
+                   (count.wide * (0.5 * (step_costs::flight + in_contact + more + solved) +
+                                  stages * count.forces * step_costs::travelling_force) +
+                    all_nodes) +
+               count.wide * search_seconds(scene, work.steps, scene.duration);
 }
 
 }  // namespace
+
+double search_seconds(const Scene& scene, double steps, double duration) {
+  if (scene.kind == SceneKind::areal || scene.time.nodes == Nodes::all) return 0;
+  return ns * std::min(step_costs::search * steps, step_costs::searches_a_second * duration);
+}
 
 ExpectedWork expected_work(const Scene& scene, const UsualContact& contact) {
   constexpr int most_counted = 2000;  // modes
@@ -151,8 +157,9 @@ ExpectedWork expected_work(const Scene& scene, const UsualContact& contact) {
             step_costs::surface_node *
                 (areal ? rows * last_node(scene) : scene.resonator.length / scene.spacing) +
             step_costs::surface_node * nodes);
-  if (scene.initial == Initial::statics && !areal)
-    work.readiness += ns * step_costs::balanced_node * nodes * std::max(8.0, modes);
+  if (scene.initial == Initial::statics)
+    work.readiness += ns * (areal ? step_costs::balanced_pair * modes * modes
+                                  : step_costs::balanced_node * nodes * std::max(8.0, modes));
   const SceneCount count{
       .modes = modes,
       .wide = std::max(1.0, modes / step_costs::counted_modes),

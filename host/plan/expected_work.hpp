@@ -26,4 +26,8 @@ struct UsualContact {
 /// 'ra2d plan' says how long at the worst.
 ExpectedWork expected_work(const Scene& scene, const UsualContact& contact = {});
 
+/// How long so many fixed steps of a plane scene search for the nodes that can touch [s];
+/// `duration`: s of the scene.
+double search_seconds(const Scene& scene, double steps, double duration);
+
 }  // namespace ra2d

@@ -14,6 +14,7 @@
 #include "host/device/layout.hpp"
 #include "host/model/areal_size.hpp"
 #include "host/model/bounds.hpp"
+#include "host/plan/expected_work.hpp"
 #include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
@@ -160,10 +161,13 @@ void plan_steps(const Model& model, const JoinedModes& place, Plan& plan) {
   const double moved_ns = stages * travelling_forces_ns(model);
   const double solved_ns = held ? solving_ns(model, plan.many_nodes) : 0.0;
   plan.seconds_free = seconds * (std::max(wide * step_costs::flight, evaluation_ns) + moved_ns);
-  plan.seconds_one = seconds * (wide * one_ns + evaluation_ns + moved_ns);
+  const double searching =
+      wide * search_seconds(scene, static_cast<double>(model.steps), scene.duration);
+  plan.seconds_one = seconds * (wide * one_ns + evaluation_ns + moved_ns) + searching;
   plan.seconds_many =
       seconds * (wide * one_ns + (usual_of(model, plan.many_nodes) - 1) * evaluations * each_ns +
-                 evaluation_ns + moved_ns + solved_ns);
+                 evaluation_ns + moved_ns + solved_ns) +
+      searching;
 }
 
 /// Of the adaptive scheme: what can be said of its steps before it has made them. One ends where a

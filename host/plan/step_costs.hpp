@@ -12,6 +12,9 @@ inline constexpr double counted_modes = 24;
 // Of a step of fixed length: in free flight; in contact at a node, by the form of the step, of
 // staged schemes a stage.
 inline constexpr double flight = 5.0, contact = 45.0, stage = 50.0, held = 100.0;
+// Which nodes can touch is found again whenever the bodies have moved by as much as the nodes are
+// off, in long steps at each: a step at the most, and a second of a free slider.
+inline constexpr double search = 600.0, searches_a_second = 0.2e9;
 // Each node more, a mode. Where every node is evaluated: a node and an evaluation.
 inline constexpr double more_nodes = 1.7, node = 0.7;
 // Where every node of an areal scene is evaluated: a node and an evaluation, and each mode of it.
@@ -64,8 +67,10 @@ inline constexpr double pressed_at_most = 256;  // nodes
 // A force that travels, each time that it is evaluated.
 inline constexpr double travelling_force = 20;
 
-// Before the march: always; a node; a node and mode of the static start.
-inline constexpr double readiness = 2e6, surface_node = 60, balanced_node = 70;
+// Before the march: always; a node; a node and mode of the static start; of that of a block on a
+// plate, each pair of modes.
+inline constexpr double readiness = 2e6, surface_node = 60, balanced_node = 70,
+                        balanced_pair = 5000;
 
 // Sound at a microphone: a point of the face; a sample, and each mode of it. A sample and mode that
 // is read.

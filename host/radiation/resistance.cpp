@@ -9,32 +9,32 @@
 namespace ra2d {
 namespace {
 
-/// Integral over the angle of b_a b_b* at q = rest sin(angle), from -pi/2 to pi/2. Its integrand
-/// has the period pi, so that equal steps converge as fast as Gauss's.
-double across_power(const LineShape& a, const LineShape& b, const Points& y, double middle,
-                    double rest, double width) {
-  const int steps = 24 + static_cast<int>(std::ceil(rest * width));
-  std::vector<double> weighted_a(y.size()), weighted_b(y.size());
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    weighted_a[i] = y.weight[i] * a(y.at[i]);
-    weighted_b[i] = y.weight[i] * b(y.at[i]);
-  }
-  double sum = 0;
-  for (int step = 0; step < steps; ++step) {
-    const double q = rest * std::sin(M_PI * (step + 0.5) / steps - M_PI / 2);
-    std::complex<double> of_a, of_b;
-    for (std::size_t i = 0; i < y.size(); ++i) {
-      const std::complex<double> wave = std::polar(1.0, -q * (y.at[i] - middle));
-      of_a += weighted_a[i] * wave;
-      of_b += weighted_b[i] * wave;
-    }
-    sum += (of_a * std::conj(of_b)).real();
-  }
-  return sum * M_PI / steps;
-}
-
 std::size_t in_lower_half(std::size_t a, std::size_t b) {
   return std::max(a, b) * (std::max(a, b) + 1) / 2 + std::min(a, b);
+}
+
+/// Integrals over the angle of b_a b_b* at q = rest sin(angle), from -pi/2 to pi/2, for every pair
+/// of shapes, lower half. The integrands have the period pi, so that equal steps converge as fast
+/// as Gauss's. `weighted`: (shape, point).
+std::vector<double> across_powers(const std::vector<std::vector<double>>& weighted, const Points& y,
+                                  double middle, double rest, double width) {
+  const int steps = 24 + static_cast<int>(std::ceil(rest * width));
+  const std::size_t shapes = weighted.size();
+  std::vector<double> sums(shapes * (shapes + 1) / 2, 0.0);
+  std::vector<std::complex<double>> waves(y.size()), transforms(shapes);
+  for (int step = 0; step < steps; ++step) {
+    const double q = rest * std::sin(M_PI * (step + 0.5) / steps - M_PI / 2);
+    for (std::size_t i = 0; i < y.size(); ++i) waves[i] = std::polar(1.0, -q * (y.at[i] - middle));
+    for (std::size_t a = 0; a < shapes; ++a) {
+      std::complex<double> sum;
+      for (std::size_t i = 0; i < y.size(); ++i) sum += weighted[a][i] * waves[i];
+      transforms[a] = sum;
+      for (std::size_t b = 0; b <= a; ++b)
+        sums[in_lower_half(a, b)] += (sum * std::conj(transforms[b])).real();
+    }
+  }
+  for (double& sum : sums) sum = sum * M_PI / steps;
+  return sums;
 }
 
 }  // namespace
@@ -72,20 +72,26 @@ RadiationResistance::RadiationResistance(const Radiator& radiator, const Air& ai
     transforms_.push_back(std::move(found));
   }
   const Points y = even_points(0, radiator.width, highest_ + radiator.turning_across, fineness);
-  for (std::size_t a = 0; a < across_count_; ++a)
-    for (std::size_t b = 0; b <= a; ++b) {
-      tables_.emplace_back();
-      for (const double rest : across_.points().at)
-        tables_.back().push_back(across_power(radiator.across[a], radiator.across[b], y,
-                                              radiator.width / 2, rest, radiator.width));
-    }
+  std::vector<std::vector<double>> weighted;
+  for (const LineShape& shape : radiator.across) {
+    weighted.emplace_back();
+    for (std::size_t i = 0; i < y.size(); ++i)
+      weighted.back().push_back(y.weight[i] * shape(y.at[i]));
+  }
+  tables_.resize(across_count_ * (across_count_ + 1) / 2);
+  for (const double rest : across_.points().at) {
+    const std::vector<double> powers =
+        across_powers(weighted, y, radiator.width / 2, rest, radiator.width);
+    for (std::size_t pair = 0; pair < powers.size(); ++pair) tables_[pair].push_back(powers[pair]);
+  }
 }
 
-double RadiationResistance::across(std::size_t a, std::size_t b, double rest) const {
+void RadiationResistance::across(double rest, std::vector<double>& of_pair) const {
   double weights[most_points_of_rule];
   const std::size_t first = across_.weigh(std::min(rest, highest_), weights);
-  const double* values = &tables_[in_lower_half(a, b)][first];
-  return std::inner_product(weights, weights + across_.order(), values, 0.0);
+  for (std::size_t pair = 0; pair < tables_.size(); ++pair)
+    of_pair[pair] =
+        std::inner_product(weights, weights + across_.order(), &tables_[pair][first], 0.0);
 }
 
 /// Calls `add` with weight, transforms and what is left across, for points from 0 to a wave number.
@@ -115,23 +121,21 @@ void RadiationResistance::each_point(double wave_number, Add add) const {
 std::vector<double> RadiationResistance::lower_half(double frequency) const {
   const std::size_t modes = across_of_.size();
   std::vector<double> found(modes * (modes + 1) / 2, 0.0), of_pair(tables_.size());
+  std::vector<double> factors(across_count_ * modes);  // of a shape across with that of each mode
   const double wave_number = 2 * M_PI * frequency / air_.sound_speed;
   // omega density/(4 pi^2), twice: both signs of p give the same
   const double scale = frequency * air_.density / M_PI;
   each_point(wave_number, [&](double weight, const Transforms& t, double rest) {
+    across(rest, of_pair);
+    for (double& value : of_pair) value *= scale * weight;
     for (std::size_t a = 0; a < across_count_; ++a)
-      for (std::size_t b = 0; b <= a; ++b)
-        of_pair[in_lower_half(a, b)] = scale * weight * across(a, b, rest);
+      for (std::size_t l = 0; l < modes; ++l)
+        factors[a * modes + l] = of_pair[in_lower_half(a, across_of_[l])];
     double* to = found.data();
     for (std::size_t k = 0; k < modes; to += ++k) {
       const double re = t.re[k], im = t.im[k];
-      if (across_count_ == 1) {
-        for (std::size_t l = 0; l <= k; ++l) to[l] += of_pair[0] * (re * t.re[l] + im * t.im[l]);
-      } else {
-        for (std::size_t l = 0; l <= k; ++l)
-          to[l] +=
-              of_pair[in_lower_half(across_of_[k], across_of_[l])] * (re * t.re[l] + im * t.im[l]);
-      }
+      const double* factor = &factors[across_of_[k] * modes];
+      for (std::size_t l = 0; l <= k; ++l) to[l] += factor[l] * (re * t.re[l] + im * t.im[l]);
     }
   });
   return found;
@@ -140,11 +144,14 @@ std::vector<double> RadiationResistance::lower_half(double frequency) const {
 double RadiationResistance::of_mode(std::size_t mode, double frequency) const {
   const double scale = frequency * air_.density / M_PI;
   const std::size_t a = across_of_[mode];
+  std::vector<double> of_pair(tables_.size());
   double sum = 0;
-  each_point(2 * M_PI * frequency / air_.sound_speed, [&](double weight, const Transforms& t,
-                                                          double rest) {
-    sum += weight * across(a, a, rest) * (t.re[mode] * t.re[mode] + t.im[mode] * t.im[mode]);
-  });
+  each_point(2 * M_PI * frequency / air_.sound_speed,
+             [&](double weight, const Transforms& t, double rest) {
+               across(rest, of_pair);
+               sum += weight * of_pair[in_lower_half(a, a)] *
+                      (t.re[mode] * t.re[mode] + t.im[mode] * t.im[mode]);
+             });
   return scale * sum;
 }
 

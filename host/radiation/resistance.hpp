@@ -33,7 +33,8 @@ class RadiationResistance {
   };
   template <class Add>
   void each_point(double wave_number, Add add) const;
-  double across(std::size_t a, std::size_t b, double rest) const;
+  /// Of all pairs of shapes across, lower half.
+  void across(double rest, std::vector<double>& of_pair) const;
 
   const Air air_;
   double highest_ = 0;  // wave number, rad/m

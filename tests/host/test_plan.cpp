@@ -283,11 +283,16 @@ TEST(Plan, LargerBlocksOnMapsTakeLonger) {
 TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
   Scene s = pressed_plate();
   s.duration = 1e-3;
-  s.time.step = 1e-7;
-  EXPECT_NEAR(expected_work(s).steps, 1e4, 1e-6);
+  s.time.step = 1e-8;
+  EXPECT_NEAR(expected_work(s).steps, 1e5, 1e-6);
   const double once = expected_work(s).march;
   s.time.scheme = SchemeKind::rk4;
   EXPECT_GT(expected_work(s).march, 3 * once);  // four stages
+  // a hundredth of the steps: less than a tenth of the time, for nodes are searched as often
+  const double all = expected_work(s).march;
+  s.time.step = 1e-6;
+  EXPECT_LT(expected_work(s).march, 0.1 * all);
+  EXPECT_GT(expected_work(s).march, 0.02 * all);
 }
 
 TEST(Plan, SaysWhatTheStepMakesOfTheHighestMode) {
