@@ -116,7 +116,7 @@ if(kind)
 endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-h5py, python3-jinja2, python3-matplotlib, python3-numpy, python3-pandas, python3-scipy, python3-soundfile, python3-xarray")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-h5py, python3-jinja2, python3-matplotlib, python3-numpy, python3-pandas, python3-scipy, python3-soundfile, python3-xarray, python3-xxhash")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "friction noise of rough surfaces")
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Two beams with rough faces slide past each other. Their asperities collide,
 and each collision rings the beams' modes. From a scene come the vibration

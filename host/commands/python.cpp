@@ -119,7 +119,7 @@ int ask_python(const nlohmann::ordered_json& request) {
         "this needs Python, and there is no python3: install it (on Debian: apt-get install "
         "python3 "
         "python3-matplotlib python3-h5py python3-xarray python3-pandas python3-scipy "
-        "python3-jinja2 python3-soundfile)");
+        "python3-jinja2 python3-soundfile python3-xxhash)");
   throw FileError(fmt::format(
       "this needs libraries that no python3 here has: install them (on Debian: apt-get install {})",
       missing));

@@ -170,7 +170,7 @@ int preview_study(StudyRuns& runs, const StudyRequest& request, const StudyFolde
   if (request.list) return print_list(runs);
   const StudyWork work = find_work(runs.census, runs.finished, shard, request.retry_failed,
                                    lacks_what_is_kept(runs.points.study(), folder, listener.tell));
-  if (!work.jobs.empty()) listener.doubts(study_doubts(runs.points));
+  if (!work.jobs.empty()) listener.doubts(study_doubts(runs.points, runs.census));
   return print_jobs(runs, work, threads);
 }
 
@@ -197,10 +197,7 @@ int run_study_file(const StudyRequest& request) {
   StudyRuns runs = read_runs(request);
   if (request.threads > 0 && !why_fewer.empty() && !request.quiet)
     say(fmt::format("{} thread{}: {}", threads, threads == 1 ? "" : "s", why_fewer));
-  if (!request.list) {
-    require_other_scenes(runs.points, runs.census);
-    require_other_seeds(runs.points, runs.census);
-  }
+  if (!request.list) require_other_seeds(runs.points, runs.census);
   if (request.list || request.dry_run) return preview_study(runs, request, folder, shard, threads);
   const MarchedStudy marched = march_study(runs,
                                            {.folder = folder,

@@ -121,11 +121,29 @@ LawEquations law_equations(const StudyAnswers& answers, const std::vector<double
   return e;
 }
 
+/// Whether any two runs that differ along this axis alone have other answers. Those of a key
+/// without effect are one run.
+bool changes_along(const StudyAnswers& answers, const std::vector<double>& amplitude,
+                   std::size_t axis) {
+  std::size_t block = 1;  // runs that a value of the axis has in a row
+  for (std::size_t a = axis + 1; a < answers.axes.size(); ++a) block *= answers.axes[a].size();
+  const std::size_t whole = block * answers.axes[axis].size();
+  bool compared = false;
+  for (std::size_t run = 0; run + block < amplitude.size(); ++run) {
+    const double here = amplitude[run], next = amplitude[run + block];
+    if (run % whole + block >= whole || !(here > 0) || !(next > 0)) continue;
+    compared = true;
+    if (here != next) return true;
+  }
+  return !compared;
+}
+
 /// The axes that the law has an exponent for; the names of the others go to `law.pooled`.
-std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law) {
+std::vector<std::size_t> fitted_axes(const StudyAnswers& answers,
+                                     const std::vector<double>& amplitude, StudyLaw& law) {
   std::vector<std::size_t> fitted;
   for (std::size_t a = 0; a + 1 < answers.axes.size(); ++a) {
-    if (can_be_fitted(answers.axes[a])) {
+    if (can_be_fitted(answers.axes[a]) && changes_along(answers, amplitude, a)) {
       fitted.push_back(a);
       law.exponents.push_back({answers.axes[a].name, quiet_nan, quiet_nan, quiet_nan});
     } else if (answers.axes[a].size() > 1) {
@@ -134,7 +152,8 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers, StudyLaw& law)
   }
   if (fitted.empty())
     throw RequestError(
-        "no law: it takes a key that the study varies over two positive numbers or more");
+        "no law: it takes a key that the study varies over two positive numbers or more, and that "
+        "changes the answers");
   return fitted;
 }
 
@@ -171,8 +190,8 @@ std::vector<LawQuantity> sounds_of(const StudyAnswers& answers) {
 StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
   StudyLaw law;
   law.of = of;
-  const std::vector<std::size_t> fitted = fitted_axes(answers, law);
   const std::vector<double> amplitude = amplitudes(answers, of);
+  const std::vector<std::size_t> fitted = fitted_axes(answers, amplitude, law);
   if (amplitude.empty())
     throw RequestError(fmt::format("no law: the table holds no {}, for keep lacks \"{}\"", of.name,
                                    of.levels == nullptr ? "level" : "sound"));

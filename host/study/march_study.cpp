@@ -139,7 +139,8 @@ MarchedStudy march_study(StudyRuns& runs, const StudyMarch& march, const StudyLi
   marched.work = find_work(runs.census, runs.finished, march.shard, march.retry_failed,
                            lacks_what_is_kept(study, folder, listener.tell));
   const StudyWork& work = marched.work;
-  if (!work.jobs.empty() && listener.doubts) listener.doubts(study_doubts(runs.points));
+  if (!work.jobs.empty() && listener.doubts)
+    listener.doubts(study_doubts(runs.points, runs.census));
   Progress progress(march, work, listener);
   const OrderlyEnd orderly;
   run_jobs(runs, march, ledger, checkpoints, progress, marched);

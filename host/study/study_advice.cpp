@@ -30,10 +30,13 @@ void require_other_seeds(const StudyPoints& points, const PointCensus& census) {
   }
 }
 
-void require_other_scenes(const StudyPoints& points, const PointCensus& census) {
-  const std::vector<StudyDimension>& dimensions = points.study().dimensions;
+namespace {
+
+/// Of dimensions of which no value makes another scene.
+void doubt_dimensions(const StudyPoints& points, const PointCensus& census,
+                      std::vector<std::string>& doubts) {
   std::size_t block = points.size();  // points that a value of the dimension has in a row
-  for (const StudyDimension& dimension : dimensions) {
+  for (const StudyDimension& dimension : points.study().dimensions) {
     const std::size_t values = dimension.size(), whole = block;
     block /= values;
     if (values < 2) continue;
@@ -42,15 +45,16 @@ void require_other_scenes(const StudyPoints& points, const PointCensus& census) 
     for (std::size_t point = 0; point < points.size() && !changes; ++point)
       changes = point % whole + block < whole && key(point) != key(point + block);
     if (changes) continue;
-    throw RequestError(
-        fmt::format("{}: vary.{}: {} changes nothing of these scenes, so all its values would be "
-                    "one run ('ra2d plan SCENE' says what a scene does not use). Drop the "
-                    "dimension, or vary what it acts on",
-                    points.study().file.string(), dimension.name, fmt::join(dimension.keys, ", ")));
+    doubts.push_back(
+        fmt::format("vary.{}: {} changes nothing of these scenes, and all its values are one run "
+                    "('ra2d plan SCENE' says what a scene does not use)",
+                    dimension.name, fmt::join(dimension.keys, ", ")));
   }
 }
 
-std::vector<std::string> study_doubts(const StudyPoints& points) {
+}  // namespace
+
+std::vector<std::string> study_doubts(const StudyPoints& points, const PointCensus& census) {
   constexpr std::size_t most_scenes = 300;
   std::vector<std::size_t> chosen{0};
   const std::vector<std::size_t> shape = points.shape();
@@ -61,6 +65,7 @@ std::vector<std::string> study_doubts(const StudyPoints& points) {
       chosen.push_back(i * stride);
   }
   std::vector<std::string> doubts;
+  doubt_dimensions(points, census, doubts);
   for (const std::size_t point : chosen)
     for (std::string& doubt : scene_doubts(points.scene(point)))
       if (std::find(doubts.begin(), doubts.end(), doubt) == doubts.end())

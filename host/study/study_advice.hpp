@@ -13,13 +13,10 @@ namespace ra2d {
 /// and intervals nothing.
 void require_other_seeds(const StudyPoints& points, const PointCensus& census);
 
-/// Throws RequestError where no value of a dimension makes another scene, as of a step that the
-/// scheme does not take.
-void require_other_scenes(const StudyPoints& points, const PointCensus& census);
-
-/// Doubts of the study's scenes (scene_doubts), each once: of the first combination, and of those
-/// that differ from it in one dimension. At most `most_doubts`, and how many more there are.
-std::vector<std::string> study_doubts(const StudyPoints& points);
+/// Dimensions that change no scene, as a step that the scheme does not take; and doubts of the
+/// study's scenes (scene_doubts), each once: of the first combination, and of those that differ
+/// from it in one dimension. At most `most_doubts`, and how many more there are.
+std::vector<std::string> study_doubts(const StudyPoints& points, const PointCensus& census);
 inline constexpr std::size_t most_doubts = 6;
 
 }  // namespace ra2d

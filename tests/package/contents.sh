@@ -21,7 +21,7 @@ field() { dpkg-deb --field "$deb" "$1"; }
 for library in libc6 libhdf5 libfftw3-double3 libpugixml1 libzip4; do
   [[ $(field Depends) == *$library* ]] || fail "it does not depend on $library: $(field Depends)"
 done
-for module in numpy h5py xarray pandas matplotlib jinja2 soundfile scipy; do
+for module in numpy h5py xarray pandas matplotlib jinja2 soundfile scipy xxhash; do
   [[ ", $(field Recommends)," == *" python3-$module,"* ]] || fail "it does not recommend python3-$module"
 done
 # code for one machine's processor is named

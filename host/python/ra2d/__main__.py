@@ -5,7 +5,8 @@ import importlib
 import os
 import sys
 
-LIBRARIES = ("numpy", "h5py", "xarray", "pandas", "scipy", "matplotlib", "jinja2", "soundfile")
+LIBRARIES = ("numpy", "h5py", "xarray", "pandas", "scipy", "matplotlib", "jinja2", "soundfile",
+             "xxhash")
 LIBRARY_MISSING = 9  # exit status
 
 

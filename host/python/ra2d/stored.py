@@ -14,6 +14,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from .errors import Error, FileError
+from .sealed import Seal, SealedFile
 
 # parts of xarray without types
 _lazy: Any = indexing.LazilyIndexedArray
@@ -54,6 +55,7 @@ class File:
     def __init__(self, path: pathlib.Path) -> None:
         self.path = path
         self._identity = self._now()
+        self._seal: Seal | None = None  # once it has been read
 
     def _now(self) -> tuple[int, ...]:
         try:
@@ -74,15 +76,24 @@ class File:
     def opened(self) -> Iterator[Any]:
         """The HDF5 file, open for reading as long as the block runs."""
         self.require_unchanged()
+        sealed: SealedFile | None = None
+        why: FileError | None = None
         try:
-            with h5py.File(self.path, "r") as file:
-                yield file
+            self._seal = self._seal or Seal(self.path)
+            with contextlib.ExitStack() as open_files:
+                if self._seal.size > 0:
+                    sealed = open_files.enter_context(SealedFile(self.path, self._seal))
+                yield open_files.enter_context(h5py.File(sealed or self.path, "r"))
         except Error:
             raise
         except _DAMAGE as fault:
-            raise FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d "
-                            "check' says what "
-                            "of it is damaged") from fault
+            why = FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d "
+                            "check' says what of it is damaged")
+            if sealed is not None and sealed.fault is not None:
+                why = sealed.fault
+        # not from the fault, whose frames hold what h5py must give back before the interpreter ends
+        if why is not None:
+            raise why
 
     def read(self, group: str, dims: Mapping[str, tuple[str, ...]],
              numbers: Iterable[str] = ()) -> xr.Dataset:
@@ -103,12 +114,13 @@ class File:
             return xr.Dataset({name: of for name, of in variables.items()
                                if name not in coordinates}, coordinates)
 
-    def scalars(self, group: str) -> xr.Dataset:
-        """The single numbers of a group. Numbers that do not exist are not in it."""
+    def scalars(self, group: str, names: Iterable[str]) -> xr.Dataset:
+        """Single numbers of a group. Those that do not exist are left out. By name: libhdf5 1.10
+        ends the interpreter where it cannot read one while it goes through a group."""
         with self.opened() as file:
-            return xr.Dataset({name: _variable((), stored[()], _units(stored))
-                               for name, stored in file[group].items()
-                               if stored.shape == ()})
+            found = file[group]
+            return xr.Dataset({name: _variable((), found[name][()], _units(found[name]))
+                               for name in names if name in found})
 
     def attributes(self) -> dict[str, Any]:
         """The attributes of the file: texts, and numbers."""

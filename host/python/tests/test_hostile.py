@@ -8,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
 
@@ -209,6 +210,40 @@ def test_results_of_programs_whose_faces_were_linear_by_default(damaged):
     def forget(file):
         file.attrs["scene"] = re.sub('faces = "[a-z]+"\n', "", str(file.attrs["scene"]))
     assert damaged(forget).scene["faces"] == "linear"
+
+
+def read_all(result):
+    repr(result)
+    for data in (result.summary, result.probes, result.slider_probes, result.contact,
+                 result.energy, result.modes(), result.modes("slider"), result.profile(),
+                 result.profile("slider")):
+        data.load()
+    return result.shocks, result.height_hash(), result.height_hash("slider")
+
+
+def test_every_byte_that_is_read_is_compared_with_the_seal(small, tmp_path):
+    whole, path = small.path.read_bytes(), tmp_path / "flipped.h5"
+    sealed = int(whole[-64:][12:30])
+    read_all(small)
+    # where HDF5 has its addresses a wrong byte would end the interpreter
+    marks = [found.start() for found in re.finditer(b"OHDR|TREE|HEAP|FRHP|FHDB|BTHD|BTLF|OCHK",
+                                                    whole[:sealed])]
+    random = np.random.default_rng(3)
+    for _ in range(60):
+        at = int(random.choice(marks)) + int(random.integers(0, 160))
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ int(random.integers(1, 256))])
+                         + whole[at + 1:])
+        with pytest.raises(ra2d.FileError, match="is damaged|its bytes from"):
+            read_all(ra2d.load(path))
+    # where it cannot be opened at all, the interpreter ends well
+    path.write_bytes(whole[:600] + bytes([whole[600] ^ 1]) + whole[601:])
+    done = subprocess.run([sys.executable, "-c", f"import ra2d\ntry: ra2d.load({str(path)!r})\n"
+                           "except ra2d.FileError as fault: kept = fault"], check=False)
+    assert done.returncode == 0
+    # the seal itself
+    path.write_bytes(whole[:sealed] + bytes([whole[sealed] ^ 1]) + whole[sealed + 1:])
+    with pytest.raises(ra2d.FileError, match="its seal does not fit"):
+        ra2d.load(path)
 
 
 def test_flipped_bits_and_cut_files(small, tmp_path):

@@ -46,7 +46,7 @@ class Ra2d(CMakePackage, CudaPackage):
     with when("+python"):
         depends_on("python@3.11:", type="run")
         for module in ("h5py", "jinja2", "matplotlib", "numpy", "pandas", "scipy",
-                       "soundfile", "xarray"):
+                       "soundfile", "xarray", "xxhash"):
             depends_on(f"py-{module}", type="run")
 
     generator("ninja")
