@@ -223,7 +223,7 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
       ->capture_default_str();
   sound->add_option("--rate", options.rate, "samples a second of the sound")
       ->type_name("HZ")
-      ->transform(count())
+      ->transform(count().description(""))
       ->check(number_from(least_rate, most_rate, "from 8000 to 384000"))
       ->capture_default_str();
   CLI::Option* normalize =

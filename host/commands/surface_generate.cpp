@@ -200,7 +200,14 @@ void print_profile(const GenerateRequest& request, const RandomProfile& profile,
 /// Options of the other kind of surface that were given.
 void check_kind(const GenerateRequest& request) {
   const auto refuse_with = [](const std::string& why) { throw RequestError(why); };
+  const SurfaceSpec& s = request.surface;
   if (!request.width) {
+    if (s.correlation != Correlation::self_affine)
+      for (const auto& [name, value] :
+           {std::pair{"--hurst", s.hurst}, std::pair{"--longest", s.longest}})
+        if (value) refuse_with(fmt::format("{} is of --correlation self-affine", name));
+    if (s.correlation == Correlation::gaussian && s.shortest)
+      refuse_with("--shortest is of --correlation exponential and self-affine");
     for (const auto& [name, value] :
          {std::pair{"--spacing-y", request.spacing_y}, std::pair{"--rsm-y", request.rsm_y}})
       if (value) refuse_with(fmt::format("{} is of maps: give their --width, too", name));
@@ -209,7 +216,6 @@ void check_kind(const GenerateRequest& request) {
       refuse_with("an .npy takes maps: give their --width, too, or name a text with -o");
     return;
   }
-  const SurfaceSpec& s = request.surface;
   if (s.correlation != Correlation::gaussian)
     refuse_with(fmt::format("--correlation {}: a map has the gaussian one", request.correlation));
   for (const auto& [name, value] :

@@ -12,6 +12,7 @@
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/unit_doubts.hpp"
 #include "host/surface/spline.hpp"
+#include "host/surface/usual_faces.hpp"
 
 namespace ra2d {
 namespace {
@@ -138,12 +139,12 @@ Relief relief_of(const std::vector<double>& heights, int row, double spacing) {
 void doubt_roughness(const std::string& name, const BodySpec& body, const Relief& relief,
                      Doubts& doubts) {
   constexpr double large_share = 0.05, largest_share = 0.5;  // of the thickness, as measured ones
-  constexpr double steep = 0.5, smooth = 1e-4;
+  constexpr double steep = 0.5;
   constexpr double most_millimetres = 0.1;  // m: larger numbers are of micrometres
   const double rq = body.surface.rq, span = relief.highest - relief.lowest;
   const std::string key = name + ".surface.rq";
   // in another unit the face would be as smooth as none is
-  const bool may_be_other = relief.slope > 1e3 * smooth || rq >= most_millimetres;
+  const bool may_be_other = relief.slope > 1e3 * usual_faces::smooth || rq >= most_millimetres;
   if (body.thickness > 0 && span > (may_be_other ? large_share : largest_share) * body.thickness)
     doubt(doubts, key, rq,
           fmt::format("the heights span {:.3g} m, and {}.thickness is {:g} m", span, name,
@@ -154,7 +155,7 @@ void doubt_roughness(const std::string& name, const BodySpec& body, const Relief
           fmt::format("its slopes have a root mean square of {:.2g}, steeper than faces are",
                       relief.slope),
           too_large);
-  else if (relief.slope < smooth)
+  else if (relief.slope < usual_faces::smooth)
     doubt(doubts, key, rq,
           fmt::format("its slopes have a root mean square of {:.2g}, smoother than faces are",
                       relief.slope),

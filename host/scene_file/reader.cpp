@@ -315,6 +315,7 @@ struct Document::Parts {
       if (old == nullptr || i + 1 == path.size()) {
         to->insert_or_assign(path[i],
                              std::move(*value));  // a move keeps the source, a copy does not
+        drop_rival(*to, path[i]);
         return;
       }
       if (!old->is_table()) {
@@ -326,6 +327,19 @@ struct Document::Parts {
       }
       from = value->as_table();
       to = old->as_table();
+    }
+  }
+
+  /// Where an override gives one of two keys of which a scene has one, the file's other goes: on
+  /// the command line nothing can be dropped.
+  static void drop_rival(toml::table& table, const std::string& key) {
+    constexpr std::pair<std::string_view, std::string_view> rivals[] = {
+        {"max_frequency", "modes"}, {"rsm", "correlation_length"}};
+    for (const auto& [first, second] : rivals) {
+      if (key != first && key != second) continue;
+      const std::string_view other = key == first ? second : first;
+      const toml::node* const rival = table.get(other);
+      if (rival != nullptr && !rival->source().path) table.erase(other);  // overrides have one
     }
   }
 

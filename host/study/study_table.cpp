@@ -334,6 +334,23 @@ std::string read_text_attribute(hid_t file, const char* name) {
   return text;
 }
 
+/// A table of another format may have other meanings.
+void require_format(hid_t file) {
+  if (check(H5Aexists(file, "study_format")) <= 0)
+    throw TableFault{"it is not the table of a study (write one with 'ra2d study')"};
+  const h5::Attribute attribute{check(H5Aopen(file, "study_format", H5P_DEFAULT))};
+  const h5::Type type{check(H5Aget_type(attribute))};
+  const h5::Space space{check(H5Aget_space(attribute))};
+  std::int64_t format = -1;
+  if (H5Tget_class(type) == H5T_INTEGER && H5Sget_simple_extent_npoints(space) == 1)
+    check(H5Aread(attribute, H5T_NATIVE_INT64, &format));
+  if (format != study_format)
+    throw TableFault{
+        fmt::format("it has format {}, and this program reads {}: take the program "
+                    "that made it, or make it anew with 'ra2d study'",
+                    format, study_format)};
+}
+
 /// Numbers that no study writes must not become a law.
 void require_plausible(const StudyAnswers& answers) {
   for (const StudyAxis& axis : answers.axes)
@@ -348,6 +365,9 @@ void require_plausible(const StudyAnswers& answers) {
     for (const SoundColumn& level : sound_columns)
       if (const auto& values = answers.*level.answer; !values.empty() && values[run] > 1000)
         throw TableFault{fmt::format("/{} has {} dB, which is no sound", level.name, values[run])};
+    if (!answers.shock_rate.empty() &&
+        (answers.shock_rate[run] < 0 || std::isinf(answers.shock_rate[run])))
+      throw TableFault{fmt::format("/shock_rate has {} shocks a second", answers.shock_rate[run])};
     if (answers.v_rms.empty()) continue;
     const double v_rms = answers.v_rms[run];
     const bool is_done = status == static_cast<double>(RunStatus::done);
@@ -358,6 +378,7 @@ void require_plausible(const StudyAnswers& answers) {
 }
 
 StudyAnswers read_table(hid_t file) {
+  require_format(file);
   StudyAnswers answers;
   answers.study = read_text_attribute(file, "study");
   answers.base = read_text_attribute(file, "base");

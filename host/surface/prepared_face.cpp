@@ -143,6 +143,11 @@ void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
         fmt::format("{}: the slopes have a root mean square of {:.2g}, and few faces "
                     "are so steep",
                     file.string(), face.slope));
+  else if (face.slope < usual_faces::smooth)
+    doubts->push_back(
+        fmt::format("{}: the slopes have a root mean square of {:.2g}, smoother than faces are: "
+                    "are the heights in the unit in which they are read?",
+                    file.string(), face.slope));
 }
 
 std::string in_keys(std::string text) {

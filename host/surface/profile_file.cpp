@@ -237,6 +237,11 @@ LineFault find_oddity(const ProfilePoints& profile, double length, const Relief&
             fmt::format("the slopes have a root mean square of {:.2g}, and few faces are so steep: "
                         "are x and z in metres?",
                         relief.slope)};
+  if (relief.slope < usual_faces::smooth)
+    return {profile.line_of(relief.highest),
+            fmt::format("the slopes have a root mean square of {:.2g}, smoother than faces are: "
+                        "are x and z in metres?",
+                        relief.slope)};
   return {0, {}};
 }
 

@@ -142,7 +142,7 @@ Columns choose_columns(const std::filesystem::path& file, const TextDialect& dia
   if (query.column && (*query.column < static_cast<int>(first) ||
                        static_cast<std::size_t>(*query.column) > dialect.columns))
     throw RequestError(fmt::format(
-        "{}: --column {}: there {} {}{}", where, *query.column,
+        "{}: --column {}: there {}{}{}", where, *query.column,
         dialect.columns == 1 ? "is 1 column" : fmt::format("are {} columns", dialect.columns),
         query.spacing ? "" : ", and the first is x",
         query.spacing ? "" : " (--spacing says it all)"));

@@ -291,6 +291,10 @@ TEST_F(PreparedFace, WhatNoFaceIsIsRefused) {
   EXPECT_EQ(fault(2e-3, 1e-3), "no error");
   ASSERT_EQ(doubts.size(), 1);
   EXPECT_THAT(doubts[0], HasSubstr("few faces are so steep"));
+  write_mm_um(3, 1, [](double x) { return x == 1 ? 0.05 : 0.0; });  // nm that are taken for um
+  EXPECT_EQ(fault(2e-3, 1e-3), "no error");
+  ASSERT_EQ(doubts.size(), 1);
+  EXPECT_THAT(doubts[0], HasSubstr("smoother than faces are"));
 }
 
 }  // namespace

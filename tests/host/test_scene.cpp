@@ -893,6 +893,24 @@ TEST(SceneOverrides, OfAKindLeaveTheOtherKeys) {
   expect_round_trip(s);
 }
 
+TEST(SceneOverrides, OfOneOfTwoKeysDropTheOther) {
+  for (const std::string& text :
+       {std::string(minimal), scene_text({{"modes = 19", "max_frequency = 3e3"}})}) {
+    const Scene by_modes = parse(text, {"resonator.modes=3"});
+    EXPECT_EQ(by_modes.resonator.modes, 3);
+    EXPECT_FALSE(by_modes.resonator.max_frequency);
+    const Scene by_frequency = parse(text, {"resonator.max_frequency=1e3"});
+    EXPECT_EQ(by_frequency.resonator.max_frequency, 1e3);
+    EXPECT_FALSE(by_frequency.resonator.modes);
+  }
+  const Scene correlated = parse(minimal, {"resonator.surface.correlation_length=1e-3"});
+  EXPECT_EQ(correlated.resonator.surface.correlation_length, 1e-3);
+  EXPECT_FALSE(correlated.resonator.surface.rsm);
+  // both on the command line
+  EXPECT_THAT(refusal(minimal, {"resonator.modes=3", "resonator.max_frequency=1e3"}),
+              HasSubstr("stands beside"));
+}
+
 TEST(SceneOverrides, FaultsAreLocatedByTheirText) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"resonator.surfce=3", "resonator.surfce: unknown key (did you mean `surface`?)"},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -31,6 +32,7 @@
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
 #include "tests/places.hpp"
+#include "tests/reseal.hpp"
 #include "tests/studies.hpp"
 
 namespace ra2d {
@@ -825,6 +827,38 @@ TEST_F(StudyRuns, AnyTableThatIsNoneIsRefused) {
   std::ofstream(where_.table()) << "no HDF5";
   EXPECT_THAT(refusal_of([&] { read_study_table(where_.table()); }), HasSubstr("cannot read"));
   EXPECT_FALSE(is_study_table(where_.table()));
+}
+
+/// Forged: with a seal that fits.
+TEST_F(StudyRuns, ATableOfAnotherFormatOrOfSenselessRatesIsRefused) {
+  const Study study = study_of(
+      "base = \"b\"\n[vary]\nspeed = { key = \"scene.speed\", values = [0.1, "
+      "0.2] }\n");
+  run(study);
+  const std::string whole = table(study);
+  const auto refusal_after = [&](const std::function<void(hid_t)>& change) {
+    std::ofstream(where_.table(), std::ios::binary) << test::without_seal(whole);
+    const hid_t file = H5Fopen(where_.table().c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    change(file);
+    H5Fclose(file);
+    test::reseal(where_.table());
+    return refusal_of([&] { read_study_table(where_.table()); });
+  };
+  EXPECT_EQ(refusal_after([](hid_t) {}), "nothing was refused");
+  EXPECT_THAT(refusal_after([](hid_t file) {
+                const hid_t format = H5Aopen(file, "study_format", H5P_DEFAULT);
+                const std::int64_t next = study_format + 1;
+                H5Awrite(format, H5T_NATIVE_INT64, &next);
+                H5Aclose(format);
+              }),
+              HasSubstr("it has format 2, and this program reads 1"));
+  EXPECT_THAT(refusal_after([](hid_t file) {
+                const hid_t rates = H5Dopen2(file, "shock_rate", H5P_DEFAULT);
+                const double values[] = {1e3, HUGE_VAL};
+                H5Dwrite(rates, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values);
+                H5Dclose(rates);
+              }),
+              HasSubstr("/shock_rate has inf shocks a second"));
 }
 
 // ---- the law -----------------------------------------------------------------------------------

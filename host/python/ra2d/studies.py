@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _MARK = "# Written by ra2d.study, which replaces it.\n"
+FORMAT = 1  # of a table, that this package reads
 _SOUNDS = ("lp", "lpa", "lw", "lwa")
 _VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median",
               *_SOUNDS, "contact_share",
@@ -220,6 +221,9 @@ def _table(path: pathlib.Path) -> xr.Dataset:
     attrs = file.attributes()
     if not {"study_format", "dimensions"} <= set(attrs):
         raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
+    if attrs["study_format"] != FORMAT:
+        raise FileError(f"{str(path)!r} has format {attrs['study_format']}, this package reads "
+                        f"{FORMAT}: take the package that came with the program")
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
     variables |= {name: dims for name in _VARIABLES if name not in dims}

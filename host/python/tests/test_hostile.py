@@ -323,6 +323,10 @@ def test_a_table_that_is_damaged(tmp_path):
         file.attrs["study_format"] = 1
     with pytest.raises(ra2d.FileError, match="no table of a study"):
         ra2d.load_study(tmp_path)
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file.attrs["study_format"], file.attrs["dimensions"] = 2, "speed seed"
+    with pytest.raises(ra2d.FileError, match="has format 2, this package reads 1"):
+        ra2d.load_study(tmp_path)
 
 
 def children():
