@@ -200,11 +200,23 @@ std::string describe_means(const std::vector<Analysis>& analyses) {
   std::string text = fmt::format(
       "mean of {} files, with its interval of {:.0f} % confidence over runs like these\n",
       analyses.size(), 100 * confidence_of_means);
-  for (const FigureOfRuns& f : means_of(analyses))
-    text += fmt::format(
-        "  {:<26}{:>12.5g} {:<4} {:>12.5g} to {:<12.5g} deviation {:.3g}{}\n", f.name, f.value.mean,
-        f.unit == "1" ? "" : f.unit, f.value.low, f.value.high, f.value.deviation,
-        f.value.count < analyses.size() ? fmt::format(", of {}", f.value.count) : "");
+  for (const FigureOfRuns& f : means_of(analyses)) {
+    const MeanOfRuns& v = f.value;
+    const std::string of =
+        v.count < analyses.size() ? fmt::format(", of {}", v.count) : std::string();
+    text += fmt::format("  {:<26}", f.name);
+    if (std::isinf(v.mean))
+      text += "none: one of the runs did not vibrate\n";
+    else if (std::isnan(v.mean))
+      text += "none\n";
+    else
+      text += fmt::format(
+          "{:>12.5g} {:<4} {}{}\n", v.mean, f.unit == "1" ? "" : f.unit,
+          std::isfinite(v.low) && std::isfinite(v.high)
+              ? fmt::format("{:>12.5g} to {:<12.5g} deviation {:.3g}", v.low, v.high, v.deviation)
+              : "no interval",
+          of);
+  }
   return text;
 }
 

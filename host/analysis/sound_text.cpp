@@ -73,6 +73,13 @@ std::string microphone_text(const Analysis& a, std::size_t number) {
   return text + history_text(m.history) + band_rows(a, m.number, m.level, "20 uPa");
 }
 
+/// One digit, of a bound.
+double rounded_up(double bound) {
+  if (!(bound > 0)) return bound;
+  const double unit = std::pow(10, std::floor(std::log10(bound)));
+  return std::ceil(bound / unit) * unit;
+}
+
 std::string power_text(const Analysis& a) {
   const RadiatedPower& p = *a.power;
   if (!(p.watts > 0)) return sound_line("sound power", "none");
@@ -86,12 +93,12 @@ std::string power_text(const Analysis& a) {
           : "energy, the resonator's damping none";
   text += sound_line("", fmt::format("both sides take {}; the air would lower its modes by less "
                                      "than {:.1g} %",
-                                     share, 100 * p.inertia));
+                                     share, rounded_up(100 * p.inertia)));
   if (p.air_matters())
     text += sound_line("warning",
                        "the air would damp the motion, and takes nothing of it here: the level is "
-                       "too high (raise resonator.damping by what the air adds, mode_damping in "
-                       "the JSON)");
+                       "too high (raise resonator.damping by what the air adds, "
+                       "power.modes.damping_of_air in the JSON)");
   return text + band_rows(a, p.number, p.level, "1 pW");
 }
 

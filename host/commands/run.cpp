@@ -239,6 +239,12 @@ int run_scene(RunRequest& request) {
   const CheckpointKeeper keeper;  // from here on SIGUSR1 ends nothing
   const SceneOptions& common = request.common;
   const Scene scene = read_scene(common.scene, common.overrides);
+  // a window of --zoom may lie before output.from
+  if (const auto& window = scene.output.window; !window.empty() && scene.output.from >= window[1])
+    throw refusal(scene, "output.from",
+                  fmt::format("{} s is not before the end of output.window, {} s, where the run "
+                              "ends: expected less, or drop one of them",
+                              scene.output.from, window[1]));
   std::filesystem::path& output = request.output;
   if (output.empty()) output = common.scene.stem().string() + ".h5";
   require_output(output, files_of(scene));

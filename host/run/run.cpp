@@ -84,7 +84,9 @@ There what_is_there(const std::filesystem::path& output, const std::string& key,
   try {
     const ResultStamp there = read_stamp(output);
     if (there.key == key && !is_segment_name(output))
-      return there.complete ? There::all : is_wanted(there) ? There::part : There::nothing;
+      return there.complete                        ? There::all
+             : is_wanted(there) && there.steps > 0 ? There::part  // with a checkpoint
+                                                   : There::nothing;
     what = is_segment_name(output) ? "a segment of a run" : description(there, scene);
     is_replaced = is_replaced || !is_wanted(there);
   } catch (const UnreadableResult& fault) {

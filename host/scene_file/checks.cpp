@@ -514,11 +514,6 @@ void check_output(const Scene& s, Document& document) {
                    fmt::format("{} s is not before the end of the run, {} s: expected "
                                "a time from 0 to scene.duration",
                                s.output.from, s.duration));
-  else if (is_window_of(s) && s.output.from >= s.output.window[1])
-    document.fault("output.from",
-                   fmt::format("{} s is not before the end of output.window, {} s, where the run "
-                               "ends: expected less, or drop one of them",
-                               s.output.from, s.output.window[1]));
   if (!s.output.window.empty() && !is_window_of(s))
     document.fault("output.window",
                    fmt::format("[{}] s is no stretch of the run: expected two times in "

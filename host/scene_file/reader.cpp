@@ -330,17 +330,13 @@ struct Document::Parts {
     }
   }
 
-  /// Where an override gives one of two keys of which a scene has one, the file's other goes: on
-  /// the command line nothing can be dropped.
+  /// Of two keys of which a scene has one, the one that is set last stays: on the command line
+  /// nothing can be dropped.
   static void drop_rival(toml::table& table, const std::string& key) {
     constexpr std::pair<std::string_view, std::string_view> rivals[] = {
         {"max_frequency", "modes"}, {"rsm", "correlation_length"}};
-    for (const auto& [first, second] : rivals) {
-      if (key != first && key != second) continue;
-      const std::string_view other = key == first ? second : first;
-      const toml::node* const rival = table.get(other);
-      if (rival != nullptr && !rival->source().path) table.erase(other);  // overrides have one
-    }
+    for (const auto& [first, second] : rivals)
+      if (key == first || key == second) table.erase(key == first ? second : first);
   }
 
   /// The value as TOML; text that is none is a string, so that words need no quotes.

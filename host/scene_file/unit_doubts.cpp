@@ -163,11 +163,15 @@ void doubt_loads(const Scene& scene, Doubts& doubts) {
     const std::string key = fmt::format("resonator.moving_force[{}]", i);
     bends(key + ".force", force.force);
     const double end = force.start + force.speed * scene.duration;
-    if (std::max(force.start, end) < 0 || std::min(force.start, end) > scene.resonator.length)
-      doubt(doubts, key + ".start", force.start,
-            fmt::format("at {:g} m/s it is never on the resonator in {:g} s", force.speed,
-                        scene.duration),
-            millimetres);
+    if (std::isfinite(end) &&
+        (std::max(force.start, end) < 0 || std::min(force.start, end) > scene.resonator.length)) {
+      const std::string never = fmt::format("at {:g} m/s it is never on the resonator in {:g} s",
+                                            force.speed, scene.duration);
+      if (force.start > 10 * scene.resonator.length)
+        doubt(doubts, key + ".start", force.start, never, millimetres);
+      else
+        doubts.push_back(fmt::format("{}.start = {:g} m: {}", key, force.start, never));
+    }
     constexpr double fastest = 1000;  // m/s
     if (force.speed > fastest)
       doubt(doubts, key + ".speed", force.speed, "faster than a bullet", millimetres_a_second);

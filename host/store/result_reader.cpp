@@ -284,6 +284,7 @@ ResultStamp read_stamp(const std::filesystem::path& path) {
         const h5::File file = open(path, Bytes::sealed);
         ResultStamp stamp;
         stamp.complete = number_attribute(file, "complete") == 1;
+        stamp.steps = number_attribute(file, "steps");
         stamp.started = text_attribute(file, "started");
         stamp.scene = text_attribute(file, "scene");
         stamp.ended = text_attribute(file, "ended");

@@ -38,6 +38,7 @@ struct ResultStamp {
   std::string key, started;  // empty in files of older programs
   std::string scene, ended;  // as ResultContents has them
   bool complete = false;
+  std::int64_t steps = 0;  // that were made
 };
 
 /// A file that is no result, is damaged, or was changed by another program.

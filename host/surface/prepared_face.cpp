@@ -125,14 +125,16 @@ void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
                                   "form off",
                                   face.height, body.name, depth, what,
                                   has_units ? "mend its scale of z, which is in metres"
-                                            : "say with z_unit what they are in"));
+                                            : "say with z_unit what they are in, or mend the unit "
+                                              "in its header"));
   if (face.slope > usual_faces::steepest)
     refuse_face(
         file, fmt::format("the slopes have a root mean square of {:.3g}, steeper than any face: {}",
                           face.slope,
                           has_units ? "mend its scales of x and z, which are in metres"
                           : body.name == std::string("beam")
-                              ? "say with x_unit and z_unit what x and z are in"
+                              ? "say with x_unit and z_unit what x and z are in, or mend the units "
+                                "in its header"
                               : "say with z_unit what the heights are in"));
   if (doubts == nullptr) return;
   if (face.height > usual_faces::large_share * depth)

@@ -41,10 +41,10 @@ std::string understand(const std::vector<std::string_view>& words,
   if (values[0] && std::isfinite(*values[0])) point.x = *values[0];
   point.z = values[1].value_or(0);
   for (std::size_t i = 0; i < 2; ++i) {
+    if (i == 1 && is_missing_word(words[i]))
+      return "a height is missing: fill = \"linear:WIDTH\" puts straight lines through gaps";
     if (!values[i])
       return fmt::format("{} is not a number, expected x and z in metres", quoted(words[i]));
-    if (is_missing_word(words[i]))
-      return "a height is missing: fill = \"linear:WIDTH\" puts straight lines through gaps";
     if (!std::isfinite(*values[i]))
       return fmt::format("{} is not a finite number in double precision", quoted(words[i]));
   }

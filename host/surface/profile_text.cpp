@@ -33,7 +33,6 @@ struct TextHeader {
   std::vector<Unit> units;  // by column; an empty word where the header has none
   Unit loose;
   std::size_t lines = 0;  // before the first line of numbers
-  std::size_t words = 0;  // of these, lines that are more than a comment
 };
 
 /// "z [um]", "z_um", "z/um", "z um": the unit; nothing where the field has none.
@@ -122,10 +121,7 @@ std::pair<TextDialect, TextHeader> recognize(const std::filesystem::path& file,
   TextHeader header;
   header.units.resize(dialect.columns);
   header.lines = first_line - 1;
-  for (const auto& [number, text] : before) {
-    read_header_line(text, number, dialect, file, header);
-    if (!trimmed(std::string_view(text).substr(0, text.find('#'))).empty()) ++header.words;
-  }
+  for (const auto& [number, text] : before) read_header_line(text, number, dialect, file, header);
   return {dialect, header};
 }
 
@@ -264,19 +260,41 @@ void require_metres(const std::filesystem::path& file, const Profile& profile, b
         file.string(), high - low, slope));
 }
 
-bool is_metres(const std::string& word) { return word.empty() || word == "m"; }
+/// Whether a line before the numbers says that these are no metres. Brackets in a comment may hold
+/// anything else.
+bool names_another_unit(std::string_view line, bool is_comment) {
+  TextDialect two;  // columns
+  two.columns = 2;
+  line.remove_prefix(std::min(line.find_first_not_of(" \t\r#%/*"), line.size()));
+  line = trimmed(line);
+  std::vector<std::string_view> words = units_of(line, two);
+  if (words.empty()) words = bracketed(line);
+  return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+    const auto unit = to_unit(word);
+    return unit ? unit->metres != 1 && (!is_comment || words.size() == 2)
+                : !word.empty() && !is_comment;
+  });
+}
 
 }  // namespace
 
-bool is_plain_text(const std::filesystem::path& file) try {
-  const auto [dialect, header] = recognize(file, {});
-  const bool is_split_by_words =
-      dialect.separator == ' ' || dialect.separator == ',' || dialect.separator == '\t';
-  return is_split_by_words && !dialect.decimal_comma && !dialect.closed && dialect.columns == 2 &&
-         header.words <= 1 && is_metres(header.units[0].word) && is_metres(header.units[1].word) &&
-         is_metres(header.loose.word);
-} catch (const RequestError&) {
-  return false;  // who reads it says why
+bool is_plain_text(const std::filesystem::path& file) {
+  ProfileLines lines(file);
+  std::vector<std::string_view> words;
+  const auto is_number = [](std::string_view word) { return to_number(word).has_value(); };
+  int names = 0;
+  while (lines.next()) {
+    if (lines.too_long()) return false;  // who reads it says so
+    const std::string_view text = lines.text();
+    split_words(text, words);
+    if (is_numbers(text))
+      return words.size() == 2 && std::all_of(words.begin(), words.end(), is_number);
+    if (names_another_unit(text, words.empty())) return false;
+    if (std::any_of(words.begin(), words.end(), is_number))
+      return true;  // a line of faulty numbers
+    if (!words.empty() && ++names > 1) return false;
+  }
+  return false;
 }
 
 Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery& query) {

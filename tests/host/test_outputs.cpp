@@ -42,12 +42,12 @@ class Outputs : public testing::Test {
 
   Ended ra2d(std::vector<std::string> words) const {
     // "timeout": what waits for an input ends with 124
-    words.insert(words.begin(), {"timeout", "20", program()});
+    words.insert(words.begin(), {"timeout", "60", program()});
     return run_program(said_.path(), in_folder(std::move(words)));
   }
   /// Runs ra2d while calls to the folder fail.
   Ended faulty(const std::string& how, std::vector<std::string> words) const {
-    words.insert(words.begin(), {"timeout", "20", "env", "LD_PRELOAD=" + faulty_disk(),
+    words.insert(words.begin(), {"timeout", "60", "env", "LD_PRELOAD=" + faulty_disk(),
                                  "FAULTY_FOLDER=" + folder_.string(), how, program()});
     return run_program(said_.path(), in_folder(std::move(words)));
   }

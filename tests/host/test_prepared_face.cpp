@@ -109,7 +109,10 @@ TEST_F(PreparedFace, ATextWithUnitsOrMarksOfItsOwnIsReadAsMeasuredOnesAre) {
   }
   for (const char* text :
        {"0 0\n1 2e-6\n2 0\n", "x [m],z [m]\n0,0\n1,2e-6\n2,0\n", "x z\n0\t0\n1\t2e-6\n2\t0\n",
-        "# a comment\n# another one\nx z\n0, 0\n1, 2e-6\n2, 0\n"}) {
+        "# a comment\n# another one\nx z\n0, 0\n1, 2e-6\n2, 0\n", "\t0\t\t0\n1 2e-6\n2\t0\t\n",
+        "# Profile of plate (A2), measured (2024)\nx z\n0 0\n1 2e-6\n2 0\n",
+        "# made with Rq = 2 (um)\n0 0\n1 2e-6\n2 0\n", "x [m] z [m]\n0 0\n1 two\n2 0\n",
+        "0 0x1\n1 2e-6\n2 0\n"}) {
     write(text);
     EXPECT_TRUE(is_plain()) << text;
   }

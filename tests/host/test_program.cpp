@@ -894,6 +894,19 @@ TEST_F(Program, WhatIsCountedBeginsAtTheAskedTimeUnderAdaptiveToo) {
     EXPECT_NEAR(level_of("adaptive", from), level_of("rk8", from), 0.011) << from;
 }
 
+TEST_F(Program, AWindowThatEndsBeforeWhatIsCountedIsRefused) {
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "output.window=[1e-3, 2e-3]", "--set",
+                 "output.from=2e-3"}),
+            2);
+  EXPECT_THAT(err_, HasSubstr("output.from: 0.002 s is not before the end of output.window"));
+  // but windows of --zoom are kept as they are, and their scenes are read again
+  EXPECT_EQ(run({"run", scene_file("drop"), "--set", "output.from=5e-3", "--zoom", "1e-3,3e-3",
+                 "-o", "z.h5"}),
+            0)
+      << err_;
+  EXPECT_EQ(run({"analyze", "z.zoom-1.h5", "--at", "0.1,0.1,0.05"}), 0) << err_;
+}
+
 TEST_F(Program, ABalanceOfOneSampleIsNotKnown) {
   EXPECT_EQ(run({"run", scene_file("drop"), "--set", "output.rate=10"}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("not known: fewer than two samples"));

@@ -458,6 +458,8 @@ TEST_F(ProfileFile, SaysWhichLineIsWrongAndWhy) {
   EXPECT_THAT(fault("0;1\n1;2\n2;3\n"), HasSubstr("x runs over 2 in steps of 1, without a unit"));
   EXPECT_THAT(fault("0 1\n1 +-2\n2 3\n3 4\n"), HasSubstr(":2: \"+-2\" is not a number"));
   EXPECT_THAT(fault("0 1\n1 nan\n2 3\n3 4\n"), HasSubstr(":2: a height is missing: fill = "));
+  EXPECT_THAT(fault("0 1\n1 NA\n2 3\n3 4\n"), HasSubstr(":2: a height is missing: fill = "));
+  EXPECT_THAT(fault("0 1\nnan 2\n2 3\n3 4\n"), HasSubstr(":2: \"nan\" is not a finite number"));
   EXPECT_THAT(fault("0 1\n1 1e999\n2 3\n3 4\n"), HasSubstr(":2: \"1e999\" is not a finite number"));
   EXPECT_THAT(fault("0 1\n1 2 3\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));
   EXPECT_THAT(fault("0 1\n1,2,\n2 3\n3 4\n"), HasSubstr(":2: 3 columns, expected 2"));

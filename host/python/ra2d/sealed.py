@@ -14,6 +14,7 @@ import xxhash
 from .errors import FileError
 
 BLOCK, LINE, HASH = 4096, 64, 16  # bytes: of a block, of the last line, of a hash
+PIECE = 1024 * BLOCK
 _SEAL = re.compile(rb"ra2d seal 2 (\d{18}) ([0-9a-f]{32})\n")
 
 
@@ -69,27 +70,27 @@ class SealedFile(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         into = memoryview(buffer).cast("B")
-        size = max(0, min(len(into), self._size - self._at))
-        # whole blocks of what is sealed; behind that stands the seal, which HDF5 has no use for
-        begin = self._at // BLOCK * BLOCK
-        end = min(-(-(self._at + size) // BLOCK) * BLOCK, max(self._seal.size, begin))
-        if begin == self._at and end == self._at + size:
-            read = into[:size]
-            if os.preadv(self._file.fileno(), [read], begin) != size:
+        size, done = max(0, min(len(into), self._size - self._at)), 0
+        while done < size:  # by pieces: a system reads no more than two gigabytes at once
+            begin = self._at // BLOCK * BLOCK
+            skipped = self._at - begin
+            part = min(size - done, PIECE - skipped)
+            # whole blocks of what is sealed; behind that stands the seal, for which HDF5 has no use
+            sealed = max(0, min(-(-(skipped + part) // BLOCK) * BLOCK, self._seal.size - begin))
+            read = memoryview(os.pread(self._file.fileno(), max(sealed, skipped + part), begin))
+            if len(read) < max(sealed, skipped + part):
                 self._refuse("it has become shorter")
-        else:
-            whole = os.pread(self._file.fileno(), max(end - begin, self._at + size - begin), begin)
-            if len(whole) < self._at + size - begin:
-                self._refuse("it has become shorter")
-            into[:size] = whole[self._at - begin : self._at - begin + size]
-            read = memoryview(whole)[: end - begin]
-        for at in range(0, len(read), BLOCK):
-            hashed = (begin + at) // BLOCK * HASH
-            sealed = self._seal.hashes[hashed : hashed + HASH]
-            if xxhash.xxh3_128_digest(read[at : at + BLOCK]) != sealed:
-                self._refuse(f"its bytes from {begin + at} on are not those that were written")
-        self._at += size
+            self._compare(read[:sealed], begin)
+            into[done : done + part] = read[skipped : skipped + part]
+            self._at, done = self._at + part, done + part
         return size
+
+    def _compare(self, blocks: memoryview, begin: int) -> None:
+        for at in range(0, len(blocks), BLOCK):
+            hashed = (begin + at) // BLOCK * HASH
+            if (xxhash.xxh3_128_digest(blocks[at : at + BLOCK])
+                    != self._seal.hashes[hashed : hashed + HASH]):
+                self._refuse(f"its bytes from {begin + at} on are not those that were written")
 
     def _refuse(self, what: str) -> None:
         self.fault = _damaged(self._path, what)

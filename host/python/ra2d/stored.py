@@ -84,6 +84,8 @@ class File:
                 if self._seal.size > 0:
                     sealed = open_files.enter_context(SealedFile(self.path, self._seal))
                 yield open_files.enter_context(h5py.File(sealed or self.path, "r"))
+            if sealed is not None:
+                why = sealed.fault  # which h5py has kept to itself
         except Error:
             raise
         except _DAMAGE as fault:

@@ -221,7 +221,7 @@ def _table(path: pathlib.Path) -> xr.Dataset:
     attrs = file.attributes()
     if not {"study_format", "dimensions"} <= set(attrs):
         raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
-    if attrs["study_format"] != FORMAT:
+    if str(attrs["study_format"]) != str(FORMAT):
         raise FileError(f"{str(path)!r} has format {attrs['study_format']}, this package reads "
                         f"{FORMAT}: take the package that came with the program")
     dims = tuple(str(attrs["dimensions"]).split())
