@@ -267,8 +267,8 @@ def _face(result: Result, body: Body) -> str:
 
 
 def _faces(result: Result) -> str:
-    """Both faces as text, to know whether two runs have the same ones."""
-    return f"{_face(result, 'resonator')} {_face(result, 'slider')}"
+    """Both faces as text, to know whether two runs have the same ones: profiles or maps."""
+    return f"{result.is_areal} {_face(result, 'resonator')} {_face(result, 'slider')}"
 
 
 def _changed_profiles(a: Result, b: Result) -> list[str]:

@@ -226,3 +226,8 @@ def test_a_surrogate_has_the_spectrum_of_its_map_without_edges():
     # what is left of a map has no steps from edge to edge
     steps = np.abs((z - smooth)[0] - (z - smooth)[-1]).max()
     assert steps < 0.5 * np.abs(z[0] - z[-1]).max()
+
+
+def test_maps_are_other_faces_than_profiles(areal, result):
+    assert "faces differ" in ra2d.compare(areal, result).notes[0]
+    assert ra2d.compare(areal, areal).notes == []
