@@ -43,8 +43,8 @@ void forget_variables_of_kokkos() {
   for (const char* name : {"KOKKOS_NUM_THREADS", "KOKKOS_DISABLE_WARNINGS",
                            "KOKKOS_PRINT_CONFIGURATION", "KOKKOS_TUNE_INTERNALS"})
     unsetenv(name);
-  if (marches_on_gpu) return;
-  for (const char* name : {"KOKKOS_DEVICE_ID", "KOKKOS_MAP_DEVICE_ID_BY"}) unsetenv(name);
+  if constexpr (!marches_on_gpu)
+    for (const char* name : {"KOKKOS_DEVICE_ID", "KOKKOS_MAP_DEVICE_ID_BY"}) unsetenv(name);
 }
 
 }  // namespace
