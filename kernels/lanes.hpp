@@ -347,6 +347,17 @@ KOKKOS_FORCEINLINE_FUNCTION int filled(const HostLanes& lanes) {
     return lanes.filled_packs < packs ? lanes.filled_packs : packs;
 }
 
+/// Calls use<count>(first) for all packs, `at_once` of them at a time, then one by one: of many
+/// packs, as many as stay in registers while a polynomial of each is summed up.
+template <int packs, int at_once, class Lanes, class Use>
+KOKKOS_FORCEINLINE_FUNCTION void for_packs(const Lanes& lanes, const Use& use) {
+  const int all = filled<packs>(lanes);
+  int p = 0;
+  for (; p + at_once <= all; p += at_once) use.template operator()<at_once>(p);
+  if constexpr (packs % at_once != 0 || (packs > 3 && !Lanes::on_gpu))
+    for (; p < all; ++p) use.template operator()<1>(p);
+}
+
 /// Pack number `pack` of a row of lanes.
 template <class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION typename Lanes::Real load_pack(const Lanes& lanes, const double* row,

@@ -190,19 +190,23 @@ class ModalSeries {
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const int order = order_;
     const Real at(x), per(1.0 / scale_);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) u[p] = v[p] = coefficient(order, p);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) v[p] = Real(static_cast<double>(order)) * v[p];
-    RA2D_KEEP_LOOP
-    for (int j = order - 1; j >= 1; --j)
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        const Real c = coefficient(j, p);
-        u[p] = multiply_add(u[p], at, c);
-        v[p] = multiply_add(v[p], at, Real(static_cast<double>(j)) * c);
+    constexpr int block = packs <= 3 || Lanes::on_gpu ? packs : 4;
+    for_packs<packs, block>(lanes_, [&]<int count>(int first) {
+      Real sum[count], rate[count];
+      for (int i = 0; i < count; ++i) sum[i] = rate[i] = coefficient(order, first + i);
+      for (int i = 0; i < count; ++i) rate[i] = Real(static_cast<double>(order)) * rate[i];
+      RA2D_KEEP_LOOP
+      for (int j = order - 1; j >= 1; --j)
+        for (int i = 0; i < count; ++i) {
+          const Real c = coefficient(j, first + i);
+          sum[i] = multiply_add(sum[i], at, c);
+          rate[i] = multiply_add(rate[i], at, Real(static_cast<double>(j)) * c);
+        }
+      for (int i = 0; i < count; ++i) {
+        u[first + i] = multiply_add(sum[i], at, coefficient(0, first + i));
+        v[first + i] = rate[i] * per;
       }
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      u[p] = multiply_add(u[p], at, coefficient(0, p));
-      v[p] = v[p] * per;
-    }
+    });
   }
 
   /// The motion up to x = `most`, as a polynomial.
@@ -409,18 +413,24 @@ class ModalSeries {
     const double per2 = 1.0 / (scale_ * scale_);  // V^2 = (dU/dx)^2/scale^2
     double x[inner];
     for (int g = 0; g < inner; ++g) x[g] = Kokkos::fma(x1 - x0, at[g], x0);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real rate[inner];  // dU/dx
-      for (int g = 0; g < inner; ++g) rate[g] = Real(0.0);
-      for (int j = order_; j >= 1; --j) {
-        const Real term = Real(static_cast<double>(j)) * coefficient(j, p);
-        for (int g = 0; g < inner; ++g) rate[g] = multiply_add(Real(x[g]), rate[g], term);
+    constexpr int block = packs <= 3 || Lanes::on_gpu ? 1 : 2;
+    for_packs<packs, block>(lanes_, [&]<int count>(int first) {
+      Real rate[count][inner];  // dU/dx
+      for (int i = 0; i < count; ++i)
+        for (int g = 0; g < inner; ++g) rate[i][g] = Real(0.0);
+      for (int j = order_; j >= 1; --j)
+        for (int i = 0; i < count; ++i) {
+          const Real term = Real(static_cast<double>(j)) * coefficient(j, first + i);
+          for (int g = 0; g < inner; ++g) rate[i][g] = multiply_add(Real(x[g]), rate[i][g], term);
+        }
+      for (int i = 0; i < count; ++i) {
+        const int p = first + i;
+        Real sum = Real(weight[inner]) * multiply_add(v0[p], v0[p], v1[p] * v1[p]);
+        for (int g = 0; g < inner; ++g)
+          sum = multiply_add(Real(per2 * weight[g]) * rate[i][g], rate[i][g], sum);
+        square[p] = multiply_add(Real(ticks), sum, square[p]);
       }
-      Real sum = Real(weight[inner]) * multiply_add(v0[p], v0[p], v1[p] * v1[p]);
-      for (int g = 0; g < inner; ++g)
-        sum = multiply_add(Real(per2 * weight[g]) * rate[g], rate[g], sum);
-      square[p] = multiply_add(Real(ticks), sum, square[p]);
-    }
+    });
   }
 
   /// Terms of the shapes that will do for modes that get so far and move so much; sets `neglected`.
