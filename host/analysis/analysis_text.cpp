@@ -118,7 +118,8 @@ std::string peaks_text(const Analysis& a) {
   if (peaks.size() > most_peaks) peaks.resize(most_peaks);
   std::sort(peaks.begin(), peaks.end(),
             [](const SpectralPeak& x, const SpectralPeak& y) { return x.natural < y.natural; });
-  std::string text;
+  if (peaks.empty()) return {};
+  std::string text = line("highest peaks", "modes are counted from 0, rigid ones first");
   for (const SpectralPeak& p : peaks)
     text += line(text.empty() ? "highest peaks" : "",
                  fmt::format("{:8.1f} Hz  {:.2e} (m/s)^2/Hz  mode {:<3} of {:.1f} Hz, {}",
