@@ -167,7 +167,9 @@ class VelocityAnalysis {
   void weigh(const std::vector<double>& power) {
     const std::vector<double> weighted = a_weighted(whole_, power);
     a_.bands.level_a = levels(weighted);
-    a_.lv_a = level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
+    const double seconds = static_cast<double>(stretch_.count) / a_.rate;
+    if (seconds >= shortest_stretch(last_mode(a_.natural_frequencies), a_.rate))
+      a_.lv_a = level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
   }
 
   void finish_spectrum() {
@@ -245,9 +247,8 @@ void add_sound_levels(const ResultReader& reader, const std::optional<Scene>& sc
                       const Stretch& stretch, const SoundRequest& request, Analysis& a) {
   const SoundingResonator resonator = sounding_resonator(reader, scene, a.file, request);
   a.air = resonator.air;
-  const double ringing = ringing_of(a.natural_frequencies, a.modal_damping);
   for (const HeardSound& sound : hear(reader, resonator, stretch, a.file, request)) {
-    a.microphones.push_back(levels_of(sound, a.rate, ringing));
+    a.microphones.push_back(levels_of(sound, a.rate, a.natural_frequencies, a.modal_damping));
     a.microphones.back().arrives = sound.distances.least / a.air.sound_speed;
   }
   if (!request.power) return;
@@ -259,13 +260,8 @@ void add_sound_levels(const ResultReader& reader, const std::optional<Scene>& sc
 
 }  // namespace
 
-double last_mode(const Analysis& a) {
-  const auto last = std::max_element(a.natural_frequencies.begin(), a.natural_frequencies.end());
-  return last == a.natural_frequencies.end() ? quiet_nan : *last;
-}
-
 std::vector<bool> bands_above_modes(const Analysis& a, const std::vector<int>& numbers) {
-  const double last = last_mode(a);
+  const double last = last_mode(a.natural_frequencies);
   std::vector<bool> above;
   for (const int number : numbers) above.push_back(third_octave_low(number) > last);
   return above;

@@ -86,9 +86,6 @@ struct Analysis {
   std::string no_sound;  // why the scene's own microphones hear nothing; empty: they do
 };
 
-/// The resonator's last elastic mode [Hz]; NaN where it has none.
-double last_mode(const Analysis& analysis);
-
 /// For each third octave, whether it lies above that mode: its level is that of the flank of lower
 /// modes, and would differ with more modes.
 std::vector<bool> bands_above_modes(const Analysis& analysis, const std::vector<int>& numbers);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/analysis/analysis_text.hpp"
@@ -76,7 +77,7 @@ Json bands_json(const Analysis& a) {
             {"spread", bands.spread},
             {"level_probe", bands.level_probe},
             {"above_last_mode", bands_above_modes(a, a.bands.number)},
-            {"last_mode", last_mode(a)}};
+            {"last_mode", last_mode(a.natural_frequencies)}};
   if (!bands.level_a.empty()) json["level_a"] = bands.level_a;
   return json;
 }
@@ -116,6 +117,8 @@ Json microphones_json(const Analysis& a) {
     list.push_back({{"position", m.position},
                     {"lp", m.lp},
                     {"lpa", m.lp_a},
+                    {"no_lpa", std::isnan(m.lp_a) ? too_short_text(m.shortest) : ""},
+                    {"share_above_last_mode", m.share_above},
                     {"lp_interval", interval_json(m.intervals.level)},
                     {"no_interval", m.intervals.why_none},
                     {"p_rms", m.rms},
@@ -138,6 +141,8 @@ Json power_json(const Analysis& a) {
   bands["efficiency"] = p.band_efficiency;
   return {{"lw", p.lw},
           {"lwa", p.lw_a},
+          {"no_lw", std::isnan(p.lw) ? too_short_text(p.shortest) : ""},
+          {"share_above_last_mode", p.share_above},
           {"watts", p.watts},
           {"efficiency", p.efficiency},
           {"bands", bands},

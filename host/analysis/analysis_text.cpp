@@ -118,11 +118,11 @@ std::string peaks_text(const Analysis& a) {
   if (peaks.size() > most_peaks) peaks.resize(most_peaks);
   std::sort(peaks.begin(), peaks.end(),
             [](const SpectralPeak& x, const SpectralPeak& y) { return x.natural < y.natural; });
-  std::string text;
+  if (peaks.empty()) return {};
+  std::string text = line("highest peaks", "modes are counted from 0, rigid ones first");
   for (const SpectralPeak& p : peaks)
-    text += line(text.empty() ? "highest peaks" : "",
-                 fmt::format("{:8.1f} Hz  {:.2e} (m/s)^2/Hz  mode {:<3} of {:.1f} Hz, {}",
-                             p.frequency, p.density, p.mode, p.natural, damping_text(p, a)));
+    text += line("", fmt::format("{:8.1f} Hz  {:.2e} (m/s)^2/Hz  mode {:<3} of {:.1f} Hz, {}",
+                                 p.frequency, p.density, p.mode, p.natural, damping_text(p, a)));
   return text;
 }
 
@@ -153,11 +153,15 @@ std::string bands_text(const Analysis& a) {
   if (marks)
     text += line("", fmt::format("* above the last mode that was kept, at {:.4g} kHz: no "
                                  "information",
-                                 1e-3 * last_mode(a)));
+                                 1e-3 * last_mode(a.natural_frequencies)));
   if (weighted)
-    text += line("A-weighted", fmt::format("{:.2f} dB re 1 nm/s; a plate's velocity is no sound "
-                                           "pressure: this is no dB(A) of sound",
-                                           a.lv_a));
+    text +=
+        line("A-weighted", std::isnan(a.lv_a)
+                               ? "not known: " + too_short_text(shortest_stretch(
+                                                     last_mode(a.natural_frequencies), a.rate))
+                               : fmt::format("{:.2f} dB re 1 nm/s; a plate's velocity is no sound "
+                                             "pressure: this is no dB(A) of sound",
+                                             a.lv_a));
   return text;
 }
 

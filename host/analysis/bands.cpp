@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ra2d {
 namespace {
 
 constexpr int order = 6;  // of the Butterworth filter that the bandpass is made from
+constexpr int lowest_band = -30, highest_band = 90;  // 1 Hz, 1 THz
 
 /// G^(x/3)
 double third_octaves(double x) { return std::pow(10.0, x / 10); }
@@ -75,12 +77,19 @@ double third_octave_share(int number, double frequency) {
 
 std::vector<int> carried_bands(double rate, double seconds) {
   std::vector<int> numbers;
-  for (int number = -30; number <= 90; ++number) {  // from 1 Hz to 1 THz
+  for (int number = lowest_band; number <= highest_band; ++number) {
     const double centre = third_octave_centre(number);
     if (centre * third_octaves(0.5) > rate / 2) break;
     if (centre * relative_width() * seconds >= least_product) numbers.push_back(number);
   }
   return numbers;
+}
+
+double shortest_stretch(double last_mode, double rate) {
+  int highest = lowest_band;
+  for (const int number : carried_bands(rate, std::numeric_limits<double>::infinity()))
+    if (!(third_octave_low(number) > last_mode)) highest = number;
+  return least_product / (third_octave_centre(highest) * relative_width());
 }
 
 std::vector<double> band_powers(const std::vector<int>& numbers, const WholeSpectrum& spectrum,
@@ -115,6 +124,18 @@ std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
     for (std::size_t i = 0; i < powers.size(); ++i) found[i].push_back(sums[i]);
   }
   return found;
+}
+
+double share_above(const WholeSpectrum& spectrum, std::span<const double> power, double last_mode) {
+  int first = lowest_band;
+  while (first < highest_band && !(third_octave_low(first) > last_mode)) ++first;
+  const double edge = third_octave_low(first);
+  double above = 0, all = 0;
+  for (std::size_t j = 0; j < power.size(); ++j) {
+    all += power[j];
+    if (spectrum.frequency(j) > edge) above += power[j];
+  }
+  return above / all;
 }
 
 double band_spread(int number, double seconds) {

@@ -52,6 +52,10 @@ double third_octave_share(int number, double frequency);
 std::vector<int> carried_bands(double rate, double seconds);
 inline constexpr double least_product = 4;
 
+/// The shortest stretch [s] that carries a band which does not lie above the last mode [Hz]: a sum
+/// over bands and lines means something from there on.
+double shortest_stretch(double last_mode, double rate);
+
 /// Power in each band.
 std::vector<double> band_powers(const std::vector<int>& numbers, const WholeSpectrum& spectrum,
                                 std::span<const double> power);
@@ -61,6 +65,9 @@ std::vector<double> band_powers(const std::vector<int>& numbers, const WholeSpec
 std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
                                              const WholeSpectrum& spectrum,
                                              const std::vector<std::span<const double>>& powers);
+
+/// Share of the power that lies above the band of the last mode [Hz].
+double share_above(const WholeSpectrum& spectrum, std::span<const double> power, double last_mode);
 
 /// Standard deviation of a band's level over runs [dB], were the signal stationary Gaussian noise.
 double band_spread(int number, double seconds);

@@ -207,13 +207,19 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   }
 
   const double flow = resonator.air.density * resonator.air.sound_speed * resonator.face.area();
-  found.watts = std::accumulate(power.begin(), power.end(), 0.0);
+  const double last = last_mode(reader.contents().resonator_frequency);
+  const double seconds = static_cast<double>(length) / rate;
+  found.shortest = shortest_stretch(last, rate);
+  const bool is_long = seconds >= found.shortest;
+  found.watts = is_long ? std::accumulate(power.begin(), power.end(), 0.0) : quiet_nan;
   found.lw = power_level(found.watts);
   found.efficiency = found.watts / (flow * std::accumulate(square.begin(), square.end(), 0.0));
   const std::vector<double> weighted = a_weighted(whole, power);
-  found.lw_a = power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0));
-  add_bands(found, whole, {power, weighted, square}, flow, rate, static_cast<double>(length) / rate,
-            static_cast<double>(length * pieces) / rate);
+  found.lw_a =
+      is_long ? power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0)) : quiet_nan;
+  add_bands(found, whole, {power, weighted, square}, flow, rate, seconds,
+            seconds * static_cast<double>(pieces));
+  found.share_above = share_above(whole, weighted, last);
   add_modes(found, resonator, resistance, highest);
   found.share_of_damping = 2 * found.watts / found.damping_power;
   found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);
@@ -232,13 +238,19 @@ SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) 
     found.lw = power.lw;
     found.lw_a = power.lw_a;
     double square = 0, square_a = 0;  // relative to 20 uPa
+    double shortest = power.shortest;
     for (const HeardSound& sound : hear(reader, resonator, stretch, file, request)) {
-      const MicrophoneLevels levels = levels_of(sound, reader.contents().rate, quiet_nan);
+      const MicrophoneLevels levels = levels_of(sound, reader.contents().rate,
+                                                reader.contents().resonator_frequency, quiet_nan);
       square += std::pow(10, levels.lp / 10);
       square_a += std::pow(10, levels.lp_a / 10);
+      shortest = std::max(shortest, levels.shortest);
     }
+    if (std::isnan(power.watts) || std::isnan(square_a))
+      found.why_none = "no dB(A): " + too_short_text(shortest);
     if (request.microphones.empty()) {
-      found.why_none = "no sound pressure: the scene names no microphones (output.microphones)";
+      found.why_none += found.why_none.empty() ? "" : "; ";
+      found.why_none += "no sound pressure: the scene names no microphones (output.microphones)";
     } else {
       const auto count = static_cast<double>(request.microphones.size());
       found.lp = 10 * std::log10(square / count);

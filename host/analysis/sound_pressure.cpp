@@ -16,6 +16,7 @@ namespace {
 
 constexpr double most_bytes = 2e9;   // of filters and pressures
 constexpr double most_points = 2e8;  // of the face, for one microphone
+constexpr double much_above = 0.2;   // of a power: 1 dB of its level
 
 std::string place_text(const Position& at) {
   return fmt::format("{:g},{:g},{:g}", at[0], at[1], at[2]);
@@ -86,19 +87,22 @@ SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file)
   const ResultReader reader(file);
   const ResultContents& contents = reader.contents();
   const SoundingResonator resonator = sounding_resonator(reader, scene, file, request);
-  const double ringing = ringing_of(contents.resonator_frequency, scene.resonator.damping);
   const Stretch stretch = choose_stretch(contents, scene, file, {}, {});
   for (const HeardSound& sound : hear(reader, resonator, stretch, file, request))
-    found.microphones.push_back(levels_of(sound, contents.rate, ringing));
+    found.microphones.push_back(
+        levels_of(sound, contents.rate, contents.resonator_frequency, scene.resonator.damping));
   return found;
 } catch (const RequestError& fault) {
   return {{}, fault.what()};
 }
 
 std::string level_text(const MicrophoneLevels& m) {
-  return m.rms > 0 ? fmt::format("{:.2f} dB re 20 uPa, {:.2f} dB(A) at {:g}, {:g}, {:g} m", m.lp,
-                                 m.lp_a, m.position[0], m.position[1], m.position[2])
-                   : "silence at " + place_text(m.position);
+  if (!(m.rms > 0)) return "silence at " + place_text(m.position);
+  const bool weighted = !std::isnan(m.lp_a);
+  return fmt::format("{:.2f} dB re 20 uPa{} at {:g}, {:g}, {:g} m{}", m.lp,
+                     weighted ? fmt::format(", {:.2f} dB(A)", m.lp_a) : "", m.position[0],
+                     m.position[1], m.position[2],
+                     weighted ? "" : "; dB(A) not known: " + too_short_text(m.shortest));
 }
 
 SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
@@ -191,9 +195,29 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
   return heard;
 }
 
+std::string too_short_text(double shortest) {
+  const double no_less = 1.005 * shortest;  // when it is rounded to three digits
+  return fmt::format(
+      "too short: it takes {:.3g} s or more, as the third octave of the last mode does", no_less);
+}
+
+double last_mode(const std::vector<double>& frequencies) {
+  const auto last = std::max_element(frequencies.begin(), frequencies.end());
+  return last == frequencies.end() || !(*last > 0) ? quiet_nan : *last;
+}
+
+std::string above_modes_text(double share, double last_mode) {
+  if (!(share > much_above)) return {};
+  return fmt::format(
+      "{:.0f} % of the dB(A) come from above the last mode that was kept, at {:.4g} kHz, where "
+      "more modes would give another level: raise resonator.max_frequency",
+      100 * share, 1e-3 * last_mode);
+}
+
 double pressure_level(double rms) { return 20 * std::log10(rms / 20e-6); }
 
-MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing) {
+MicrophoneLevels levels_of(const HeardSound& sound, double rate,
+                           const std::vector<double>& frequencies, double damping) {
   MicrophoneLevels m;
   m.position = sound.position;
   m.distance = sound.distances.least;
@@ -207,17 +231,22 @@ MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing)
   std::vector<double> power;
   whole.add(p, 1, power);
   const std::vector<double> weighted = a_weighted(whole, power);
-  m.lp_a = pressure_level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
   const double seconds = static_cast<double>(p.size()) / rate;
+  m.last_mode = last_mode(frequencies);
+  m.shortest = shortest_stretch(m.last_mode, passed * rate);
+  m.lp_a = seconds < m.shortest
+               ? quiet_nan
+               : pressure_level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
   m.number = carried_bands(passed * rate, seconds);
   const auto of_bands = band_powers(m.number, whole, {power, weighted});
   for (const double value : of_bands[0]) m.level.push_back(pressure_level(std::sqrt(value)));
   for (const double value : of_bands[1]) m.level_a.push_back(pressure_level(std::sqrt(value)));
+  m.share_above = share_above(whole, weighted, m.last_mode);
   for (const int number : m.number) m.spread.push_back(band_spread(number, seconds));
   LevelParts parts(sound.first, p.size(), rate, 1);
   parts.add_column(0, p);
   m.history = parts.history({1.0});
-  m.intervals = intervals_of_run(m.history, m.lp, quiet_nan, ringing);
+  m.intervals = intervals_of_run(m.history, m.lp, quiet_nan, ringing_of(frequencies, damping));
   return m;
 }
 

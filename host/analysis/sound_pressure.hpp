@@ -70,16 +70,29 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
 /// The level of a sound pressure [dB re 20 uPa].
 double pressure_level(double rms);
 
+/// Why a stretch that is shorter (shortest_stretch) has neither sound power nor dB(A): for people.
+std::string too_short_text(double shortest);
+
+/// The frequency of the last mode [Hz]; NaN where there is none that is elastic.
+double last_mode(const std::vector<double>& frequencies);
+
+/// Where much of an A-weighted level comes from above the last mode: what to say of it. Empty where
+/// little does.
+std::string above_modes_text(double share, double last_mode);
+
 /// Levels at a microphone.
 struct MicrophoneLevels {
   Position position{};
-  double distance = 0;                         // m, the least one from the face
-  double arrives = 0;                          // s, that the sound takes from there
-  double from = 0, to = 0;                     // s, what is heard
-  double rms = 0, peak = 0;                    // Pa
-  double lp = 0, lp_a = 0;                     // dB re 20 uPa; A-weighted
-  IntervalsOfRun intervals;                    // of lp
-  std::vector<int> number;                     // of third octaves
+  double distance = 0;       // m, the least one from the face
+  double arrives = 0;        // s, that the sound takes from there
+  double from = 0, to = 0;   // s, what is heard
+  double rms = 0, peak = 0;  // Pa
+  double lp = 0, lp_a = 0;   // dB re 20 uPa; A-weighted, NaN: too short
+  double shortest = 0;       // s, of a stretch with lp_a
+  double share_above = 0;    // of the A-weighted power, above the band of last_mode
+  double last_mode = 0;      // Hz
+  IntervalsOfRun intervals;  // of lp
+  std::vector<int> number;   // of third octaves
   std::vector<double> level, level_a, spread;  // dB
   LevelHistory history;                        // of the pressure, in Pa^2
 };
@@ -94,6 +107,8 @@ SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file)
 /// "63.15 dB re 20 uPa, 61.57 dB(A) at 0.15, 0.1, 0.5 m".
 std::string level_text(const MicrophoneLevels& microphone);
 
-MicrophoneLevels levels_of(const HeardSound& sound, double rate, double ringing);
+/// `frequencies` [Hz] and `damping` of the resonator's modes; without damping there is no interval.
+MicrophoneLevels levels_of(const HeardSound& sound, double rate,
+                           const std::vector<double>& frequencies, double damping);
 
 }  // namespace ra2d

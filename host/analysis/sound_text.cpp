@@ -19,6 +19,10 @@ std::string sound_line(const std::string& name, const std::string& value) {
   return fmt::format("  {:<17}{}\n", name, value);
 }
 
+std::string warning_line(const std::string& warning) {
+  return warning.empty() ? "" : sound_line("warning", warning);
+}
+
 std::string band_rows(const Analysis& a, const std::vector<int>& numbers,
                       const std::vector<double>& levels, const char* reference) {
   if (numbers.empty()) return sound_line("third octaves", "none: the stretch is too short");
@@ -35,7 +39,7 @@ std::string band_rows(const Analysis& a, const std::vector<int>& numbers,
   if (above.back())
     text += sound_line("", fmt::format("* above the last mode that was kept, at {:.4g} kHz: no "
                                        "information",
-                                       1e-3 * last_mode(a)));
+                                       1e-3 * last_mode(a.natural_frequencies)));
   return text;
 }
 
@@ -70,7 +74,8 @@ std::string microphone_text(const Analysis& a, std::size_t number) {
                           ? fmt::format("silent until the sound arrives, at {:.3g} ms or later",
                                         1e3 * m.arrives)
                           : fmt::format("which began {:.3g} ms earlier or more", 1e3 * m.arrives)));
-  return text + history_text(m.history) + band_rows(a, m.number, m.level, "20 uPa");
+  return text + warning_line(above_modes_text(m.share_above, m.last_mode)) +
+         history_text(m.history) + band_rows(a, m.number, m.level, "20 uPa");
 }
 
 /// One digit, of a bound.
@@ -82,6 +87,9 @@ double rounded_up(double bound) {
 
 std::string power_text(const Analysis& a) {
   const RadiatedPower& p = *a.power;
+  if (std::isnan(p.watts))
+    return sound_line("sound power", "not known: " + too_short_text(p.shortest)) +
+           band_rows(a, p.number, p.level, "1 pW");
   if (!(p.watts > 0)) return sound_line("sound power", "none");
   std::string text = sound_line(
       "sound power", fmt::format("{:.2f} dB(A), {:.2f} dB re 1 pW ({:.3e} W) to one side, as much "
@@ -99,6 +107,7 @@ std::string power_text(const Analysis& a) {
                        "the air would damp the motion, and takes nothing of it here: the level is "
                        "too high (raise resonator.damping by what the air adds, "
                        "power.modes.damping_of_air in the JSON)");
+  text += warning_line(above_modes_text(p.share_above, last_mode(a.natural_frequencies)));
   return text + band_rows(a, p.number, p.level, "1 pW");
 }
 
@@ -114,7 +123,7 @@ std::string describe_sound(const Analysis& a) {
   text +=
       sound_line("left out", fmt::format("the slider's own sound; modes above {:.4g} kHz, which "
                                          "the run has not",
-                                         1e-3 * last_mode(a)));
+                                         1e-3 * last_mode(a.natural_frequencies)));
   if (passed * a.rate / 2 < audible)
     text += sound_line("", fmt::format("nothing above {:.4g} Hz is in it: raise output.rate to "
                                        "{:g} for all that is heard",

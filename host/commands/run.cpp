@@ -228,9 +228,13 @@ SceneSound print_sound(const Scene& scene, const std::filesystem::path& output, 
   if (scene.output.microphones.empty()) return {};
   SceneSound sound = sound_of_scene(scene, output);
   if (!shown) return sound;
-  for (std::size_t i = 0; i < sound.microphones.size(); ++i)
+  for (std::size_t i = 0; i < sound.microphones.size(); ++i) {
+    const MicrophoneLevels& m = sound.microphones[i];
     print_line(fmt::format("microphone {}", i + 1).c_str(),
-               level_text(sound.microphones[i]) + interval_text(sound.microphones[i].intervals));
+               level_text(m) + interval_text(m.intervals));
+    if (const std::string warning = above_modes_text(m.share_above, m.last_mode); !warning.empty())
+      print_line("  warning", warning);
+  }
   if (!sound.why_none.empty()) print_line("microphones", "none: " + printable(sound.why_none));
   return sound;
 }

@@ -58,6 +58,16 @@ std::string encoding_of(const Wanted& wanted, bool bits_given) {
   return "flac-24";
 }
 
+/// By what is heard, so that no sound replaces another one of the result.
+std::string usual_name(const Wanted& wanted) {
+  std::string name = wanted.result.stem().string();
+  for (const Position& at : wanted.sound.microphones)
+    name += fmt::format("-at-{},{},{}", at[0], at[1], at[2]);
+  if (wanted.of_slider || wanted.probe != 1)
+    name += fmt::format("{}-probe-{}", wanted.of_slider ? "-slider" : "", wanted.probe);
+  return name + ".wav";
+}
+
 /// Where it is said what the values of a sound stand for: NAME.wav.json.
 fs::path sidecar_of(const fs::path& sound) {
   fs::path file = sound;
@@ -129,7 +139,7 @@ int make_sound(Wanted& wanted, bool bits_given) {
         fmt::format("{} microphones (--at): a sound has one channel or two; "
                     "'ra2d analyze' takes more",
                     wanted.sound.microphones.size()));
-  if (wanted.output.empty()) wanted.output = wanted.result.stem().string() + ".wav";
+  if (wanted.output.empty()) wanted.output = usual_name(wanted);
   const std::string encoding = encoding_of(wanted, bits_given);
   const fs::path sidecar_name = sidecar_of(wanted.output);
   for (const fs::path& file : {wanted.output, sidecar_name})
@@ -208,8 +218,8 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
   sound->add_option("OUT.h5", wanted->result, "result of 'ra2d run'")->required()->check(path());
   sound
       ->add_option("-o,--output", wanted->output,
-                   "sound file, .wav or .flac (24 bit) [OUT's name with .wav, in "
-                   "the current folder]")
+                   "sound file, .wav or .flac (24 bit) [OUT's name and what is heard, with .wav, "
+                   "in the current folder]")
       ->type_name("NOISE.wav")
       ->check(path());
   CLI::Option* bits = sound->add_option("--bits", options.bits, "of a WAV's samples")

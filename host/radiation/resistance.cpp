@@ -13,27 +13,54 @@ std::size_t in_lower_half(std::size_t a, std::size_t b) {
   return std::max(a, b) * (std::max(a, b) + 1) / 2 + std::min(a, b);
 }
 
-/// Integrals over the angle of b_a b_b* at q = rest sin(angle), from -pi/2 to pi/2, for every pair
-/// of shapes, lower half. The integrands have the period pi, so that equal steps converge as fast
-/// as Gauss's. `weighted`: (shape, point).
-std::vector<double> across_powers(const std::vector<std::vector<double>>& weighted, const Points& y,
-                                  double middle, double rest, double width) {
-  const int steps = 24 + static_cast<int>(std::ceil(rest * width));
-  const std::size_t shapes = weighted.size();
-  std::vector<double> sums(shapes * (shapes + 1) / 2, 0.0);
-  std::vector<std::complex<double>> waves(y.size()), transforms(shapes);
-  for (int step = 0; step < steps; ++step) {
-    const double q = rest * std::sin(M_PI * (step + 0.5) / steps - M_PI / 2);
-    for (std::size_t i = 0; i < y.size(); ++i) waves[i] = std::polar(1.0, -q * (y.at[i] - middle));
-    for (std::size_t a = 0; a < shapes; ++a) {
-      std::complex<double> sum;
-      for (std::size_t i = 0; i < y.size(); ++i) sum += weighted[a][i] * waves[i];
-      transforms[a] = sum;
-      for (std::size_t b = 0; b <= a; ++b)
-        sums[in_lower_half(a, b)] += (sum * std::conj(transforms[b])).real();
+/// Transforms of the shapes across, from the middle: at a few wave numbers, and between them by
+/// interpolation. `weighted`: (shape, point of `y`).
+class AcrossTransforms {
+ public:
+  AcrossTransforms(const std::vector<std::vector<double>>& weighted, const Points& y, double width,
+                   double highest, const Fineness& fineness)
+      : shapes_{weighted.size()}, between_{highest, width / 2, fineness} {
+    std::vector<std::complex<double>> waves(y.size());
+    for (const double q : between_.points().at) {
+      for (std::size_t i = 0; i < y.size(); ++i)
+        waves[i] = std::polar(1.0, -q * (y.at[i] - width / 2));
+      for (const std::vector<double>& shape : weighted)
+        found_.push_back(
+            std::inner_product(waves.begin(), waves.end(), shape.begin(), std::complex<double>{}));
     }
   }
-  for (double& sum : sums) sum = sum * M_PI / steps;
+
+  std::size_t shapes() const { return shapes_; }
+  /// Of each shape, at a wave number from 0 to the highest.
+  void at(double q, std::vector<std::complex<double>>& transforms) const {
+    double weights[most_points_of_rule];
+    const std::complex<double>* sample = &found_[between_.weigh(q, weights) * shapes_];
+    std::fill(transforms.begin(), transforms.end(), std::complex<double>{});
+    for (std::size_t n = 0; n < between_.order(); ++n)
+      for (std::size_t a = 0; a < shapes_; ++a) transforms[a] += weights[n] * *sample++;
+  }
+
+ private:
+  std::size_t shapes_;
+  Interpolation between_;
+  std::vector<std::complex<double>> found_;  // (point of between_, shape)
+};
+
+/// Integrals over the angle of b_a b_b* at q = rest sin(angle), from -pi/2 to pi/2, for every pair
+/// of shapes, lower half. The integrands have the period pi, so that equal steps converge as fast
+/// as Gauss's; -q has the conjugates of q, so that half of the angles are enough.
+std::vector<double> across_powers(const AcrossTransforms& across, double rest, double width) {
+  const int half = 12 + static_cast<int>(std::ceil(rest * width / 2));
+  const std::size_t shapes = across.shapes();
+  std::vector<double> sums(shapes * (shapes + 1) / 2, 0.0);
+  std::vector<std::complex<double>> transforms(shapes);
+  for (int step = 0; step < half; ++step) {
+    across.at(rest * std::sin(M_PI * (step + 0.5) / (2 * half)), transforms);
+    for (std::size_t a = 0; a < shapes; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        sums[in_lower_half(a, b)] += (transforms[a] * std::conj(transforms[b])).real();
+  }
+  for (double& sum : sums) sum = sum * M_PI / half;
   return sums;
 }
 
@@ -79,9 +106,9 @@ RadiationResistance::RadiationResistance(const Radiator& radiator, const Air& ai
       weighted.back().push_back(y.weight[i] * shape(y.at[i]));
   }
   tables_.resize(across_count_ * (across_count_ + 1) / 2);
+  const AcrossTransforms transforms(weighted, y, radiator.width, highest_, fineness);
   for (const double rest : across_.points().at) {
-    const std::vector<double> powers =
-        across_powers(weighted, y, radiator.width / 2, rest, radiator.width);
+    const std::vector<double> powers = across_powers(transforms, rest, radiator.width);
     for (std::size_t pair = 0; pair < powers.size(); ++pair) tables_[pair].push_back(powers[pair]);
   }
 }

@@ -80,10 +80,13 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
   if (!scene.output.microphones.empty()) {
     json["microphones"] = Json::array();
     for (const MicrophoneLevels& m : sound.microphones)
-      json["microphones"].push_back({{"position", m.position},
-                                     {"lp", m.lp},
-                                     {"lpa", m.lp_a},
-                                     {"lp_interval", limits_json(m.intervals.level)}});
+      json["microphones"].push_back(
+          {{"position", m.position},
+           {"lp", m.lp},
+           {"lpa", m.lp_a},
+           {"no_lpa", std::isnan(m.lp_a) ? too_short_text(m.shortest) : ""},
+           {"share_above_last_mode", m.share_above},
+           {"lp_interval", limits_json(m.intervals.level)}});
     json["no_sound"] = sound.why_none;
   }
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';

@@ -6,10 +6,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "host/base/errors.hpp"
 #include "host/system/input_file.hpp"
@@ -70,9 +72,25 @@ bool is_printed_to(const fs::path& file) {
   return false;
 }
 
-/// The kind of a file that is costly to make again: "a result, or other data in HDF5". Empty for
-/// other files, and for one that cannot be read.
-std::string kind_of_kept(const fs::path& file) {
+/// How files begin that are made from others, by the ending of their names. Tables have no such
+/// mark.
+constexpr std::pair<std::string_view, std::string_view> beginnings[] = {
+    {".wav", "RIFF"}, {".flac", "fLaC"}, {".json", "{"}, {".png", "\x89PNG"},
+    {".pdf", "%PDF"}, {".svg", "<"},     {".html", "<"}, {".htm", "<"}};
+
+/// "no .wav file" of one that begins otherwise than its name says; else empty.
+std::string kind_of_other(std::string ending, const std::string& beginning) {
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const auto& [of_name, mark] : beginnings)
+    if (ending == of_name && !beginning.empty() && !beginning.starts_with(mark))
+      return fmt::format("no {} file", ending);
+  return {};
+}
+
+/// The kind of a file that is costly to make again, "a result, or other data in HDF5", or is not
+/// what its name says. Empty for other files, and for one that cannot be read. `ending`: of the
+/// name that was given, which may be a link to the file.
+std::string kind_of_kept(const fs::path& file, const std::string& ending) {
   std::error_code none;
   if (!fs::exists(file, none)) return {};
   const std::string name = file.filename().string();
@@ -89,6 +107,7 @@ std::string kind_of_kept(const fs::path& file) {
                             beginning.find(" with no more than level, ") != beginning.npos;
     if (file.extension() == ".toml" && !beginning.empty() && !is_planned)
       return "a scene or a study";
+    return kind_of_other(ending, beginning);
   } catch (const FileError&) {  // a file that cannot be read is no result that could be lost
   }
   return {};
@@ -170,7 +189,8 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
 
 void require_derived_output(const fs::path& output, const std::vector<fs::path>& inputs) {
   require_output(output, inputs);
-  if (const std::string kind = kind_of_kept(replaced_file(output)); !kind.empty())
+  if (const std::string kind = kind_of_kept(replaced_file(output), output.extension());
+      !kind.empty())
     throw RequestError(
         fmt::format("'{}' is {}: it is left as it is. Name another file with -o, or remove it",
                     output.string(), kind));

@@ -22,7 +22,8 @@ void require_output(const std::filesystem::path& output,
 
 /// As require_output, of an output that is made from files at hand: a picture, a table, a page, a
 /// sound. An earlier one is replaced. Throws RequestError also where a file stands that cannot be
-/// made again so easily: a result, a checkpoint, a scene, a study's own.
+/// made again so easily: a result, a checkpoint, a scene, a study's own, or anything that its name
+/// does not tell, as a scene called x.wav.
 void require_derived_output(const std::filesystem::path& output,
                             const std::vector<std::filesystem::path>& inputs);
 

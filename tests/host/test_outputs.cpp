@@ -226,6 +226,28 @@ TEST_F(Outputs, NothingThatIsMadeOfAResultReplacesOne) {
   const Ended printed = test::run_program(
       folder_, {"/bin/sh", "-c", "'" + test::program() + "' run s.toml -o /dev/stdout > both.h5"});
   EXPECT_EQ(printed.status, 2) << printed.err;
+  // files that are not what their names say are nobody's earlier picture, sound or page
+  for (const auto& [command, output, taken] :
+       {std::tuple<std::string, std::string, std::string>{"sound", "n.wav", "n.wav"},
+        {"sound", "n.WAV", "n.WAV"},
+        {"sound", "n.flac", "n.flac"},
+        {"sound", "t.wav", "t.wav.json"},
+        {"plot", "n.png", "n.png"},
+        {"plot", "n.svg", "n.svg"},
+        {"plot", "n.pdf", "n.pdf"},
+        {"report", "n.html", "n.html"},
+        {"report", "n.htm", "n.htm"}}) {
+    write(taken, quick_scene);
+    const Ended refused = ra2d({command, "o.h5", "-o", output});
+    EXPECT_EQ(refused.status, 2) << taken;
+    EXPECT_THAT(refused.err,
+                AllOf(HasSubstr("'" + taken + "' is no ."), HasSubstr("it is left as it is")));
+    EXPECT_EQ(read(taken), quick_scene);
+  }
+  write("target", quick_scene);
+  fs::create_symlink("target", folder_ / "link.wav");
+  EXPECT_EQ(ra2d({"sound", "o.h5", "-o", "link.wav"}).status, 2);
+  EXPECT_EQ(read("target"), quick_scene);
   // an earlier page gives way to the next
   write("old.html", "<html>");
   EXPECT_EQ(ra2d({"report", "o.h5", "-o", "old.html"}).status, 0);

@@ -457,7 +457,7 @@ TEST_F(Plot, WithoutMatplotlibNothingIsLeftButTheCure) {
 
 TEST_F(Plot, AnEarlierPictureStaysWhereANewOneFails) {
   make_result(file("a.h5"), {});
-  write_text(file("a.png"), "earlier");
+  write_text(file("a.png"), "\x89PNG, an earlier one");
   write_text(file("matplotlib.py"), "raise RuntimeError('broken')\n");
   const std::vector<std::string> before = names();
   ASSERT_EQ(setenv("PYTHONPATH", folder_.path().c_str(), 1), 0);
@@ -466,7 +466,7 @@ TEST_F(Plot, AnEarlierPictureStaysWhereANewOneFails) {
   unsetenv("PYTHONPATH");
   unsetenv("PYTHONDONTWRITEBYTECODE");
   EXPECT_EQ(run.status, 4);
-  EXPECT_EQ(read_file(file("a.png")), "earlier");
+  EXPECT_EQ(read_file(file("a.png")), "\x89PNG, an earlier one");
   EXPECT_EQ(names(), before);
 }
 

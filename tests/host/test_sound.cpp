@@ -286,6 +286,88 @@ TEST_F(Sounds, SaysWhatTheRecordCannotCarry) {
       AllOf(HasSubstr("nothing above 9100 Hz"), HasSubstr("modes lie above half the rate")));
 }
 
+/// Of two samples the power came out as 2e-41 W. There is no total of a stretch that carries no
+/// band with modes; means over the samples there are.
+TEST_F(Sounds, OfAShortStretchHasNoTotals) {
+  run("a.h5");
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}};
+  options.sound.power = true;
+  options.a_weighting = true;
+  options.from = 0.05;
+  for (const auto& [to, is_known] :
+       {std::pair{0.05001, false}, {0.0502, false}, {0.05085, false}, {0.05087, true}}) {
+    options.to = to;
+    const Analysis a = analyze(folder_.path() / "a.h5", options);
+    const MicrophoneLevels& m = a.microphones[0];
+    for (const double total : {m.lp_a, a.power->watts, a.power->lw, a.power->lw_a,
+                               a.power->efficiency, a.power->share_of_damping, a.lv_a})
+      EXPECT_EQ(std::isfinite(total), is_known) << to;
+    EXPECT_NEAR(m.lp, 20 * std::log10(m.rms / 20e-6), 1e-12);
+    const std::vector<bool> above = bands_above_modes(a, a.power->number);
+    EXPECT_EQ(std::find(above.begin(), above.end(), false) != above.end(), is_known) << to;
+    for (const double level : a.power->level) EXPECT_GT(level, 0);
+    const auto said = nlohmann::json::parse(json_of({a}));
+    EXPECT_EQ(said["power"]["lwa"].is_number(), is_known);
+    EXPECT_EQ(said["power"]["no_lw"], said["microphones"][0]["no_lpa"]);
+    EXPECT_EQ(said["power"]["no_lw"] == "", is_known);
+  }
+  options.to = 0.05001;
+  // four cycles of the width of the band of 20 kHz
+  const std::string least =
+      "too short: it takes 0.000873 s or more, as the third octave of the last mode does";
+  EXPECT_THAT(describe(analyze(folder_.path() / "a.h5", options)),
+              AllOf(HasSubstr("sound power      not known: " + least + "\n"),
+                    HasSubstr("dB re 20 uPa at 0.15, 0.1, 0.5 m; dB(A) not known: " + least),
+                    Not(HasSubstr("nan"))));
+  EXPECT_NEAR(shortest_stretch(18.87e3, 100e3), 4 / (0.2307 * 19'953), 1e-6);
+  EXPECT_NEAR(shortest_stretch(18.87e3, 10e3), 4 / (0.2307 * 3981), 1e-5);  // of 4 kHz
+  EXPECT_NEAR(shortest_stretch(std::nan(""), 10e3), 4 / (0.2307 * 3981), 1e-5);
+  // in a report, and in the levels of a study: the end of the record is not heard yet
+  const test::Ended short_run = ra2d(
+      {"run", test::scene_file("dang2012"), "-o", "s.h5", "--set", "time.scheme=adaptive", "--set",
+       "scene.duration=0.0014", "--set", "output.microphones=[{ x = 0.15, y = 0.1, z = 0.2 }]"});
+  EXPECT_THAT(short_run.out, HasSubstr("at 0.15, 0.1, 0.2 m; dB(A) not known: " + least));
+  const std::filesystem::path file = folder_.path() / "s.h5";
+  const SoundLevels levels = sound_levels(*scene_of(ResultReader(file).contents(), file), file);
+  EXPECT_TRUE(std::isfinite(levels.lp) && std::isnan(levels.lp_a) && std::isfinite(levels.lw));
+  EXPECT_EQ(levels.why_none, "no dB(A): " + least);
+}
+
+/// Of a plate with few modes most of the level is that of their flanks.
+TEST_F(Sounds, WarnsWhereTheLevelComesFromAboveTheLastMode) {
+  run("a.h5");
+  run("few.h5",
+      {"resonator.max_frequency=2e3", "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]"});
+  AnalysisOptions options;
+  options.sound.microphones = {{0.15, 0.1, 0.5}};
+  options.sound.power = true;
+  const std::string warning = "% of the dB(A) come from above the last mode";
+  EXPECT_THAT(describe(analyze(folder_.path() / "a.h5", options)), Not(HasSubstr(warning)));
+  const Analysis few = analyze(folder_.path() / "few.h5", options);
+  const std::string text = describe(few);
+  const std::size_t first = text.find(warning);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_NE(text.find(warning, first + 1), std::string::npos) << "once for each total";
+  const MicrophoneLevels& m = few.microphones[0];
+  const std::vector<bool> above = bands_above_modes(few, m.number);
+  double share = 0, all = 0;
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    const double power = std::pow(10, m.level_a[i] / 10);
+    all += power;
+    share += above[i] ? power : 0;
+  }
+  EXPECT_NEAR(m.share_above, share / all, 0.01);
+  EXPECT_GT(m.share_above, 0.5);
+  EXPECT_EQ(nlohmann::json::parse(json_of({few}))["power"]["share_above_last_mode"],
+            few.power->share_above);
+  const test::Ended again = ra2d({"run", test::scene_file("dang2012"), "-o", "few.h5", "--set",
+                                  "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set",
+                                  "scene.duration=0.1", "--set", "resonator.max_frequency=2e3",
+                                  "--set", "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]"});
+  EXPECT_THAT(again.out, AllOf(HasSubstr("  warning "), HasSubstr(warning)));
+}
+
 /// Where damping takes little, the air would take as much: the level is too high, and it is said.
 TEST_F(Sounds, WarnsWhereTheAirWouldDampTheMotion) {
   run("a.h5");

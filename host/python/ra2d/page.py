@@ -116,11 +116,14 @@ def _figures(found: dict[str, Any]) -> Facts:
         rows.append(("power", html("{} W from sliding, {} W from loads, {} W to damping", *(
             number(energy[key]) for key in ("sliding_power", "load_power", "damping_power")))))
     for i, microphone in enumerate(found.get("microphones", []), 1):
-        if microphone["lpa"] is not None:
+        if microphone["lp"] is not None:
             place = ", ".join(f"{x:g}" for x in microphone["position"])
-            rows.append((f"microphone {i}", html("<b>{} dB(A)</b>, {} dB re 20 \u00b5Pa at {} m",
-                                                 f"{microphone['lpa']:.1f}",
-                                                 f"{microphone['lp']:.1f}", place)))
+            weighted = Markup("") if microphone["lpa"] is None else \
+                html("<b>{} dB(A)</b>, ", f"{microphone['lpa']:.1f}")
+            unknown = f"; dB(A) not known: {why}" if (why := microphone["no_lpa"]) else ""
+            rows.append((f"microphone {i}",
+                         weighted + html("{} dB re 20 \u00b5Pa at {} m{}",
+                                         f"{microphone['lp']:.1f}", place, unknown)))
     if energy["closure"] is not None:
         rows.append(("energy balance",
                      html("off by {} of its largest term", number(energy["closure"], 2))))

@@ -263,8 +263,7 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     margin = max(1.0, 0.08 * (high - low))
     axes.set_ylim(low - 2.5 * margin, high + margin)
     axes.legend(loc="lower right", ncol=2)
-    _draw_pressures(axes, result, lambda microphone: heard_in_time(microphone, place),
-                    "upper right", 2)
+    _draw_pressures(axes, result, lambda microphone: heard_in_time(microphone, place), 2)
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}, over {quantity((result.duration - first) / len(levels), 's')} each")
 
@@ -408,18 +407,19 @@ def band_axis(axes: Any, names: list[str]) -> None:
 
 def heard_by(result: Result) -> list[dict[str, Any]]:
     """The microphones that a picture shows: the first few that hear something."""
-    heard = [one for one in result.analysis().get("microphones", []) if one["lpa"] is not None]
+    heard = [one for one in result.analysis().get("microphones", []) if one["lp"] is not None]
     return heard[:len(_OF_PRESSURE)]
 
 
 def microphone_words(microphone: dict[str, Any]) -> str:
     """Its place and its level."""
     place = ", ".join(f"{x:g}" for x in microphone["position"])
-    return f"{place} m: {microphone['lp']:.1f} dB, {microphone['lpa']:.1f} dB(A)"
+    weighted = "" if microphone["lpa"] is None else f", {microphone['lpa']:.1f} dB(A)"
+    return f"{place} m: {microphone['lp']:.1f} dB{weighted}"
 
 
 def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], tuple[Any, Any]],
-                    where: str = "lower right", size: float = 4) -> None:
+                    size: float = 4) -> None:
     """A line for each microphone over what shows the velocity, on an axis of its own."""
     heard = heard_by(result)
     if not heard:
@@ -431,8 +431,11 @@ def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], 
                     label=f"pressure at {microphone_words(microphone)}")
     right_axes.grid(False)
     right_axes.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
-    style.room_above(right_axes, 0.14 + 0.06 * len(heard))  # for the legends
-    right_axes.legend(loc=where)
+    for one in (axes, right_axes):  # above all lines for this legend, below for the other one
+        style.room_above(one, 0.14 + 0.08 * len(heard))
+    low, high = right_axes.get_ylim()
+    right_axes.set_ylim(low - 0.12 * (high - low), high)
+    right_axes.legend(loc="upper left")
 
 
 def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:

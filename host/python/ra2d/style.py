@@ -14,6 +14,8 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 Array = npt.NDArray[np.float64]
@@ -208,19 +210,37 @@ def say_empty(axes: Any, why: str, title: str, keep_x: bool = False) -> None:
               color=GREY)
 
 
+def _text_width(text: str, size: float, weight: str) -> float:
+    """How wide a line is [inches]."""
+    path = TextPath((0, 0), text, size=size, prop=FontProperties(weight=weight))
+    return float(path.get_extents().x1) / 72 if len(path.vertices) else 0.0
+
+
+def _wrapped(text: str, size: float, weight: str, room: float) -> list[str]:
+    """The text in three lines at most, none wider than the room [inches]."""
+    most = int(132 * room / size)  # characters, of a common text
+    while True:
+        lines = textwrap.wrap(text, most, max_lines=3, break_on_hyphens=False,
+                              placeholder=" \u2026") or [""]
+        widest = max(_text_width(line, size, weight) for line in lines)
+        if widest <= room or most <= 10:
+            return lines
+        most = max(10, min(most - 1, int(most * room / widest)))
+
+
 def page(width: float, height: float,
          lines: Sequence[tuple[str, float, str, str]]) -> tuple[Picture, Any]:
     """A figure with lines of text at its top (text, size, weight, colour), each wrapped to three
     at most, and the subfigure below."""
+    edge = 0.12
     lines = [(part, size, weight, colour) for text, size, weight, colour in lines
-             for part in textwrap.wrap(text, int(132 * width / size), max_lines=3,
-                                       break_on_hyphens=False, placeholder=" \u2026") or [""]]
+             for part in _wrapped(text, size, weight, width - 2 * edge)]
     top = (0.18 + sum(size * 1.5 / 72 for _, size, _, _ in lines)) if lines else 0.01
     figure = Picture(figsize=(width, height + top), layout="constrained")
     upper, lower = figure.subfigures(2, 1, height_ratios=[top, height])
     y = top - 0.1
     for text, size, weight, colour in lines:
-        upper.text(0.12 / width, y / top, text, fontsize=size, weight=weight, color=colour,
+        upper.text(edge / width, y / top, text, fontsize=size, weight=weight, color=colour,
                    va="top", in_layout=False)
         y -= size * 1.5 / 72
     return figure, lower

@@ -68,6 +68,12 @@ def test_sound_of_a_run(place):
         assert said.returncode == 2 and said.stdout == "" and wrong[1] in said.stderr or wrong[
             0] in said.stderr
     assert names(place) == ["f.WAV", "f.WAV.json", "out.h5", "out.wav", "out.wav.json"]
+    # of other sources: none takes the name of another
+    for more in (("--at", "0.15,0.1,0.5"), ("--at", "0,0,0.1", "--at", "0.3,0,-0.2")):
+        assert ra2d(place, "sound", "out.h5", *more).returncode == 0
+    assert (place / "out.wav").read_bytes() == before
+    made = [name for name in names(place) if "-at-" in name and name.endswith(".wav")]
+    assert made == ["out-at-0,0,0.1-at-0.3,0,-0.2.wav", "out-at-0.15,0.1,0.5.wav"]
 
 
 def test_a_sound_that_cannot_be_written_leaves_nothing(place):

@@ -157,6 +157,35 @@ def test_the_sound_at_a_microphone(result):
             result.listen(**options)
 
 
+@pytest.mark.parametrize("what", ["bands", "level"])
+def test_legends_of_microphones_cover_no_line(result, what):
+    figure = result.with_microphones([(0.15, 0.1, 0.5), (0, 0.1, 1), (0.3, 0, 0.2)]).plot(what)
+    figure.draw_without_rendering()
+    lines = [line for axes in figure.axes for line in axes.get_lines()]
+    assert len(lines) >= 3
+    for axes in figure.axes:
+        if (legend := axes.get_legend()) is None:
+            continue
+        box = legend.get_window_extent()
+        for line in lines:
+            points = line.axes.transData.transform(line.get_xydata())
+            assert not box.count_contains(points), line.get_label()
+        for bar in axes.patches:
+            assert not box.overlaps(bar.get_window_extent())
+
+
+def test_a_short_run_has_a_level_without_weighting(base, folder):
+    """No third octave with modes fits in what is heard: page and pictures say so."""
+    short = ra2d.run(base, {"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.2}]},
+                     duration=0.0015, output=folder / "short-sound.h5", show=False)
+    found = short.analysis()["microphones"][0]
+    assert found["lpa"] is None and "as the third octave" in found["no_lpa"]
+    assert plots.microphone_words(found).endswith(" dB")
+    assert short.plot("bands").drawn("png", 30)
+    text = short.report(folder / "short-sound.html").read_text("utf-8")
+    assert "dB(A) not known: too short: it takes" in text
+
+
 def test_several_results_at_a_microphone(result, folder):
     near, far = (result.with_microphones([(0.15, 0.1, z), (0, 0, 1)]) for z in (0.2, 2.0))
     found = near.analysis()["microphones"][0]
@@ -358,6 +387,11 @@ def test_a_head_is_wrapped_to_three_lines():
     shown = [text.get_text() for text in figure.subfigs[0].texts]
     assert len(shown) > 1 and all(part.split()[-1] != "6.0e-" for part in shown)
     assert " ".join(shown).split() == words.split()
+    for wide in ("W" * 9 + " " + "M" * 9 + " ") * 5, "\u2014" * 400, r"\$W " * 60:
+        figure, _ = style.page(10, 5, [(wide, 13.0, "bold", style.BLACK)])
+        figure.draw_without_rendering()
+        for text in figure.subfigs[0].texts:
+            assert text.get_window_extent().x1 < figure.bbox.x1
     figure, _ = style.page(10, 5, [("word " * 20_000, 13.0, "bold", style.BLACK)])
     shown = [text.get_text() for text in figure.subfigs[0].texts]
     assert len(shown) == 3 and shown[-1].endswith("\u2026")
