@@ -51,7 +51,8 @@ void add_compare(CLI::App& app, ChosenCommand& chosen) {
       ->required()
       ->check(path())
       ->transform(scene_or_name());
-  command->add_flag("--json", request->json, "print everything as JSON, in SI units");
+  command->add_flag("--json", request->json,
+                    "print everything as JSON, in SI units; differences in dB or as 100 ln(b/a)");
   command->callback([request, &chosen] { chosen.run = [request] { return compare(*request); }; });
 }
 
