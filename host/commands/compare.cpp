@@ -23,7 +23,7 @@ struct CompareRequest {
 void require_readable(const fs::path& side) {
   if (const fs::path table = study_table_of(side); !table.empty())
     read_study_table(table);
-  else if (!fs::is_directory(side) && is_hdf5(side))
+  else if (!fs::is_directory(side) && (is_hdf5(side) || side.extension() == ".h5"))
     read_stamp(side);
 }
 

@@ -632,8 +632,9 @@ def _content_of_study(study: Study) -> dict[str, Any]:
     except FileNotFoundError:
         pairs = []
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
-        raise FileError(f"'{snapshot}' cannot be read ({fault}): run the study's line again, "
-                        "which writes it anew") from fault
+        why = fault.strerror if isinstance(fault, OSError) else "it is not what 'ra2d study' wrote"
+        raise FileError(f"'{snapshot}' cannot be read ({why}): run the study's line again, which "
+                        "writes it anew") from fault
     for key, text in pairs:
         try:
             given = toml.parse(f"value = {text}")["value"]
@@ -679,7 +680,7 @@ def _cut_short(name: str, side: Any) -> list[str]:
 
 def _origin(result: Result) -> tuple[Any, ...]:
     """Equal for a result and its copy."""
-    named = [result.attrs.get(name) for name in ("key", "started")]
+    named = [result.attrs.get(name) for name in ("key", "started", "wall_seconds")]
     return (*named,) if all(named) else (result.path.resolve(),)
 
 
