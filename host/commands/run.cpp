@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -290,9 +289,7 @@ int run_scene(RunRequest& request) {
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
-  // the report is not printed, or goes where a program reads it
-  if (request.json || isatty(STDOUT_FILENO) == 0)
-    say_doubts(warnings_of(scene, report), common.quiet);
+  if (request.json) say_doubts(warnings_of(scene, report), common.quiet);
   const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
