@@ -234,13 +234,18 @@ void take_summary(const ResultSummary& summary, Analysis& a) {
 }
 
 /// Those of the whole run, which saw the modes that the file does not have.
-void take_intervals(const ResultSummary& summary, Analysis& a) {
-  a.intervals.why_none =
-      a.whole ? "the file has neither the motion of the modes (output.modes) nor an interval"
-              : "the file has no motion of the modes (output.modes)";
-  if (!a.whole || std::isnan(summary.lv_low)) return;
-  a.intervals = {
-      {summary.lv_low, summary.lv_high}, {summary.shock_rate_low, summary.shock_rate_high}, {}};
+void take_intervals(const ResultSummary& summary, double ringing, Analysis& a) {
+  if (!a.whole) {
+    a.intervals.why_none = "the file has no motion of the modes (output.modes)";
+  } else if (!std::isnan(summary.lv_low)) {
+    a.intervals = {
+        {summary.lv_low, summary.lv_high}, {summary.shock_rate_low, summary.shock_rate_high}, {}};
+  } else {
+    a.intervals.why_none = why_no_interval(a.lv, a.samples / 2, a.to - a.from, ringing);
+    if (a.intervals.why_none.empty())
+      a.intervals.why_none =
+          "the file has neither the motion of the modes (output.modes) nor an interval";
+  }
 }
 
 void add_sound_levels(const ResultReader& reader, const std::optional<Scene>& scene,
@@ -274,6 +279,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   Analysis a;
   a.file = file;
   a.title = scene ? title(*scene) : file.stem().string();
+  a.scene = scene;
   a.complete = contents.summary.complete;
   a.ended = contents.summary.ended;
   a.rate = contents.rate;
@@ -298,9 +304,9 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.lv = level(a.v_rms);
   a.shocks = shock_statistics(contents.shocks, a.from, a.to);
   if (a.whole) a.shocks.rate = contents.summary.shock_rate;  // by the time that was counted
-  a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate,
-                                 ringing_of(a.natural_frequencies, a.modal_damping));
-  if (!a.has_modes) take_intervals(contents.summary, a);
+  const double ringing = ringing_of(a.natural_frequencies, a.modal_damping);
+  a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate, ringing);
+  if (!a.has_modes) take_intervals(contents.summary, ringing, a);
   a.energy = powers_of(reader, stretch, a.rate);
   a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);

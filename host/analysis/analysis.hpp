@@ -14,6 +14,7 @@
 #include "host/analysis/sound_power.hpp"
 #include "host/analysis/sound_pressure.hpp"
 #include "host/analysis/spectrum.hpp"
+#include "host/scene/scene.hpp"
 
 /// The analysis of a result (docs/analysis.md): level, spectrum, bands, shocks, powers.
 namespace ra2d {
@@ -52,6 +53,7 @@ struct BandLevels {
 struct Analysis {
   std::filesystem::path file;
   std::string title;
+  std::optional<Scene> scene;  // none: the file's is not understood
   bool complete = true;
   std::string ended;
   double rate = 0;            // Hz, of the samples

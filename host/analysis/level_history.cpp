@@ -100,31 +100,31 @@ void LevelParts::go_on(Sums sums) {
   sums_ = std::move(sums);
 }
 
+std::string why_no_interval(double level, std::size_t parts, double seconds, double ringing) {
+  const double least = static_cast<double>(independent_parts) * ringing;
+  if (!std::isfinite(level)) return "there is no level";
+  if (parts < independent_parts) return "too few samples";
+  if (std::isinf(ringing)) return "without damping the motion never forgets";
+  if (std::isnan(least)) return "the scene is not known";
+  if (seconds < least)
+    return fmt::format(
+        "the run is too short, its slowest mode rings on: {:.2g} s or more are needed", least);
+  return {};
+}
+
 IntervalsOfRun intervals_of_run(const LevelHistory& history, double level, double shock_rate,
                                 double ringing) {
-  IntervalsOfRun found{{quiet_nan, quiet_nan}, {quiet_nan, quiet_nan}, {}};
-  const double seconds = history.part_seconds * static_cast<double>(history.mean_square.size());
-  const double least = static_cast<double>(independent_parts) * ringing;
-  if (!std::isfinite(level)) {
-    found.why_none = "there is no level";
-  } else if (history.mean_square.size() < independent_parts) {
-    found.why_none = "too few samples";
-  } else if (std::isinf(ringing)) {
-    found.why_none = "without damping the motion never forgets";
-  } else if (!(seconds >= least)) {
-    found.why_none = std::isnan(least)
-                         ? std::string("the scene is not known")
-                         : fmt::format(
-                               "the run is too short, its slowest mode rings on: {:.2g} s "
-                               "or more are needed",
-                               least);
-  } else {
-    const double of_level =
-        10 * std::numbers::log10e * half_width(history.mean_square, ringing, history.part_seconds);
-    const double of_rate = std::exp(half_width(history.shocks, ringing, history.part_seconds));
-    found.level = {level - of_level, level + of_level};
-    found.shock_rate = {shock_rate / of_rate, shock_rate * of_rate};
-  }
+  const std::size_t parts = history.mean_square.size();
+  IntervalsOfRun found{
+      {quiet_nan, quiet_nan},
+      {quiet_nan, quiet_nan},
+      why_no_interval(level, parts, history.part_seconds * static_cast<double>(parts), ringing)};
+  if (!found.why_none.empty()) return found;
+  const double of_level =
+      10 * std::numbers::log10e * half_width(history.mean_square, ringing, history.part_seconds);
+  const double of_rate = std::exp(half_width(history.shocks, ringing, history.part_seconds));
+  found.level = {level - of_level, level + of_level};
+  found.shock_rate = {shock_rate / of_rate, shock_rate * of_rate};
   return found;
 }
 

@@ -68,6 +68,9 @@ struct IntervalsOfRun {
 IntervalsOfRun intervals_of_run(const LevelHistory& history, double level, double shock_rate,
                                 double ringing);
 
+/// Why a stretch of so many parts and seconds has no interval; empty where it has one.
+std::string why_no_interval(double level, std::size_t parts, double seconds, double ringing);
+
 /// 1 / (2 zeta omega) of the slowest elastic mode [s]: infinite without damping; 0 without elastic
 /// modes.
 double ringing_of(const std::vector<double>& frequencies, double damping);

@@ -5,12 +5,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "host/analysis/distributions.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
 namespace {
+
+/// The scene as text, without its numerics and without what is stored of it.
+std::string text_of(Scene scene) {
+  scene = without_origins(std::move(scene));
+  scene.time = {};
+  scene.output = {};
+  return echo(scene);
+}
+
+/// That without what chooses among faces of one roughness.
+std::string text_without_faces(Scene scene) {
+  scene.start = 0;
+  scene.side = {};
+  for (SurfaceSpec* face : {&scene.resonator.surface, &scene.slider.surface}) {
+    face->seed = 0;
+    face->path.clear();
+    face->prepared.offset_x.reset();
+    face->prepared.offset_y.reset();
+    face->prepared.row.reset();
+    face->prepared.column.reset();
+  }
+  return text_of(std::move(scene));
+}
+
+bool are_one_run(const Analysis& a, const Analysis& b) {
+  std::error_code none;
+  if (std::filesystem::equivalent(a.file, b.file, none)) return true;
+  return a.scene && b.scene && text_of(*a.scene) == text_of(*b.scene);
+}
 
 struct Figure {
   const char *name, *unit;
@@ -59,6 +92,15 @@ void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<Figur
   add("power.lwa", [](const Analysis& a) { return a.power->lw_a; });
 }
 
+/// The result before `at` that is of the same run; null: none.
+const Analysis* twin_before(const std::vector<Analysis>& analyses, std::size_t at) {
+  const auto end = analyses.begin() + static_cast<std::ptrdiff_t>(at);
+  const auto found = std::find_if(analyses.begin(), end, [&](const Analysis& earlier) {
+    return are_one_run(earlier, analyses[at]);
+  });
+  return found == end ? nullptr : &*found;
+}
+
 }  // namespace
 
 MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
@@ -104,6 +146,26 @@ std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
   }
   add_means_of_sound(analyses, means);
   return means;
+}
+
+std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) {
+  std::vector<std::string> doubts;
+  for (std::size_t i = 1; i < analyses.size(); ++i)
+    if (const Analysis* twin = twin_before(analyses, i))
+      doubts.push_back(
+          fmt::format("{} and {} are of one run: in the means it counts twice, and their intervals "
+                      "are too narrow",
+                      twin->file.string(), analyses[i].file.string()));
+  const auto other = std::find_if(analyses.begin(), analyses.end(), [&](const Analysis& one) {
+    return one.scene && analyses.front().scene &&
+           text_without_faces(*one.scene) != text_without_faces(*analyses.front().scene);
+  });
+  if (other != analyses.end())
+    doubts.push_back(
+        fmt::format("{} and {} are of scenes that differ in more than their faces ('ra2d compare' "
+                    "shows in what): their means and intervals are of no one thing",
+                    analyses.front().file.string(), other->file.string()));
+  return doubts;
 }
 
 }  // namespace ra2d

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/analysis/analysis_text.hpp"
+#include "host/analysis/means.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/text.hpp"
@@ -141,6 +142,7 @@ int run_analysis(const AnalyzeRequest& request) {
     if (!analysis.complete && request.json && !request.quiet)
       say(fmt::format("{}: the run was cut short: {}", file.string(), analysis.ended));
   }
+  say_doubts(doubts_of_means(analyses), request.quiet);
   for (std::size_t i = 0; i < prefixes.size(); ++i) write_tables(prefixes[i], analyses[i]);
   if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses));
   if (request.json) {

@@ -23,7 +23,7 @@ struct CompareRequest {
 void require_readable(const fs::path& side) {
   if (const fs::path table = study_table_of(side); !table.empty())
     read_study_table(table);
-  else if (!fs::is_directory(side) && is_hdf5(side))
+  else if (!fs::is_directory(side) && (is_hdf5(side) || side.extension() == ".h5"))
     read_stamp(side);
 }
 
@@ -51,7 +51,8 @@ void add_compare(CLI::App& app, ChosenCommand& chosen) {
       ->required()
       ->check(path())
       ->transform(scene_or_name());
-  command->add_flag("--json", request->json, "print everything as JSON, in SI units");
+  command->add_flag("--json", request->json,
+                    "print everything as JSON, in SI units; differences in dB or as 100 ln(b/a)");
   command->callback([request, &chosen] { chosen.run = [request] { return compare(*request); }; });
 }
 

@@ -141,6 +141,8 @@ int make_new(const NewRequest& request) {
   NewScene scene = asks ? ask_all(request.kind()) : take_options(request);
   std::string text = new_scene_text(scene, request.output);
   const std::string nothing = "these answers make no scene that runs, nothing was written: ";
+  const bool shown = shows_progress(request.quiet);
+  if (shown) show("making the faces, and finding how the slider rests on them ");
   const Model model = [&] {
     try {
       Model made = make_model(parse_scene(text, request.output));
@@ -153,6 +155,7 @@ int make_new(const NewRequest& request) {
       throw RequestError(nothing + fault.what());
     }
   }();
+  if (shown) show({});
   write_new(request, text);
   say_doubts(model.doubts, request.quiet);
   if (request.quiet) return exit_status::done;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/analysis/analysis_text.hpp"
@@ -116,7 +117,16 @@ std::string tolerance_text(const Scene& scene, double contact_share) {
       contact_share, tolerance, std::min(100.0, 100 * tolerance / part), better);
 }
 
-void print_energy(const Scene& scene, const EnergyBalance& energy) {
+/// Warnings that a reader of the figures should not overlook.
+std::vector<std::string> warnings_of(const Scene& scene, const RunReport& r) {
+  std::vector<std::string> warnings;
+  if (r.energy.closure() > much_energy) warnings.push_back(energy_text(scene, r.energy));
+  if (std::string text = tolerance_text(scene, r.contact_share_of_energy); !text.empty())
+    warnings.push_back(std::move(text));
+  return warnings;
+}
+
+void print_energy(const EnergyBalance& energy) {
   print_line("energy",
              energy.samples < 2
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
@@ -124,7 +134,6 @@ void print_energy(const Scene& scene, const EnergyBalance& energy) {
                  ? fmt::format("balance off by {:.1e} of its largest term ({:.2e} of {:.2e} J)",
                                energy.closure(), energy.residual, energy.turnover)
                  : std::string("none went through"));
-  if (energy.closure() > much_energy) print_line("warning", energy_text(scene, energy));
 }
 
 void print_cost(const RunReport& r) {
@@ -145,9 +154,8 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
     print_line("in contact", fmt::format("{:.2f} % of the time", 100 * r.contact_share));
   if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
   print_line("nodes evaluated", fmt::format("{:.4g} a step, on average", r.nodes_evaluated));
-  print_energy(scene, r.energy);
-  if (const std::string text = tolerance_text(scene, r.contact_share_of_energy); !text.empty())
-    print_line("warning", text);
+  print_energy(r.energy);
+  for (const std::string& warning : warnings_of(scene, r)) print_line("warning", warning);
   print_cost(r);
   print_line("file", printable(output.string()));
 }
@@ -285,6 +293,7 @@ int run_scene(RunRequest& request) {
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
+  if (request.json) say_doubts(warnings_of(scene, report), common.quiet);
   const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);

@@ -233,12 +233,21 @@ void doubt_splines(const Model& model, Doubts& doubts) {
   }
 }
 
+void doubt_samples(const Scene& scene, Doubts& doubts) {
+  if (scene.output.rate * scene.duration < 1 - 1e-9)
+    doubts.push_back(fmt::format(
+        "output.rate = {:g} Hz: the run ends after {:g} s, before a second sample: its file has "
+        "the state at t = 0 alone. Take {:g} Hz or more",
+        scene.output.rate, scene.duration, 1 / scene.duration));
+}
+
 }  // namespace
 
 std::vector<std::string> scene_doubts(const Scene& scene) {
   Doubts doubts = unit_doubts(scene);
   doubt_held(scene, doubts);
   doubt_stiffness(scene, doubts);
+  doubt_samples(scene, doubts);
   return doubts;
 }
 

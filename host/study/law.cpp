@@ -21,8 +21,15 @@
 namespace ra2d {
 namespace {
 
+/// Whether its numbers choose among faces, and measure nothing. They are those of its first key.
+bool only_names(const StudyAxis& axis) {
+  const std::string key = axis.keys.substr(0, axis.keys.find(','));
+  return key.ends_with(".surface.seed") || key.ends_with(".surface.row") ||
+         key.ends_with(".surface.column");
+}
+
 bool can_be_fitted(const StudyAxis& axis) {
-  return axis.size() > 1 && axis.texts.empty() &&
+  return axis.size() > 1 && axis.texts.empty() && !only_names(axis) &&
          std::all_of(axis.numbers.begin(), axis.numbers.end(),
                      [](double x) { return x > 0 && std::isfinite(x); });
 }

@@ -24,6 +24,7 @@ struct StudyAxis {
   std::vector<double> numbers;
   std::vector<std::string> texts;
   std::string units = "1";  // of the numbers, as in the table: "m s-1"
+  std::string keys;         // of the scene, whose values they are: "slider.load"; of several a list
   std::size_t size() const { return texts.empty() ? numbers.size() : texts.size(); }
 };
 

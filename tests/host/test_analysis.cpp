@@ -631,6 +631,21 @@ TEST_F(Analyze, OfSeveralFilesGivesMeans) {
   EXPECT_THAT(said.out, AllOf(HasSubstr("mean of 2 files"), HasSubstr("shocks.rate")));
   EXPECT_THAT(ra2d({"analyze", "a.h5", "b.h5", "--json"}).out,
               AllOf(HasSubstr("{\"files\":[{"), HasSubstr("\"mean\":{\"lv\":{\"mean\":")));
+  EXPECT_EQ(said.err, "") << "they differ in a seed";
+}
+
+TEST_F(Analyze, MeansAreOfRunsThatDifferByTheirFaces) {
+  run("a.h5");
+  run("fast.h5", {"scene.speed=0.2"});
+  run("sampled.h5", {"output.rate=5e4", "time.tolerance=1e-7"});
+  std::filesystem::copy(folder_.path() / "a.h5", folder_.path() / "copy.h5");
+  for (const char* twin : {"a.h5", "copy.h5", "sampled.h5"})
+    EXPECT_THAT(ra2d({"analyze", "a.h5", twin}).err,
+                testing::StartsWith(fmt::format("ra2d: a.h5 and {} are of one run: ", twin)));
+  EXPECT_THAT(
+      ra2d({"analyze", "a.h5", "fast.h5", "--json"}).err,
+      testing::StartsWith("ra2d: a.h5 and fast.h5 are of scenes that differ in more than "));
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "fast.h5", "--quiet"}).err, "");
 }
 
 TEST_F(Analyze, WritesTables) {

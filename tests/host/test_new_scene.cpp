@@ -345,7 +345,8 @@ TEST(NewScene, AsksOnATerminal) {
   ASSERT_EQ(made.status, 0) << made.out;
   EXPECT_THAT(made.out,
               AllOf(HasSubstr("[steel, 300 x 200 x 2 mm]: "), HasSubstr("'flatt' is no file here"),
-                    HasSubstr("'5' is a text without a unit")));
+                    HasSubstr("'5' is a text without a unit"), HasSubstr("\rmaking the faces"),
+                    HasSubstr("\r\033[K")));
   const Scene scene = read_scene(folder.path() / "plate.toml");
   EXPECT_EQ(scene.resonator.length, 0.4);
   EXPECT_EQ(scene.resonator.young, 70e9);

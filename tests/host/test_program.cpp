@@ -841,6 +841,12 @@ TEST_F(Program, AnEnergyThatDoesNotCloseIsWarnedOf) {
   EXPECT_EQ(run({"run", "--force", scene_file("drop"), "--set", "contact.law=multiplier"}), 0)
       << err_;
   EXPECT_THAT(out_, AllOf(HasSubstr("warning"), HasSubstr("under multipliers each impact takes")));
+  const std::vector<std::string> json{"run",    "--force", scene_file("drop"),
+                                      "--json", "--set",   "time.step=5e-6"};
+  EXPECT_EQ(run(json), 0);
+  EXPECT_THAT(err_, HasSubstr("of the energy is unaccounted for"));
+  EXPECT_EQ(run({"run", "--force", scene_file("drop"), "--quiet", "--set", "time.step=6e-6"}), 0);
+  EXPECT_EQ(err_, "");
 }
 
 /// A slider of 37 mg stands on a plate that a force bends. On such a scene a run at 1e-6 has three
@@ -910,6 +916,8 @@ TEST_F(Program, AWindowThatEndsBeforeWhatIsCountedIsRefused) {
 TEST_F(Program, ABalanceOfOneSampleIsNotKnown) {
   EXPECT_EQ(run({"run", scene_file("drop"), "--set", "output.rate=10"}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("not known: fewer than two samples"));
+  EXPECT_THAT(err_, HasSubstr("output.rate = 10 Hz: the run ends after 0.02 s, before a second "
+                              "sample: its file has the state at t = 0 alone. Take 50 Hz or more"));
 }
 
 TEST_F(Program, FacesThatOverlapAtRestAreSaid) {

@@ -967,6 +967,18 @@ TEST(StudyLaw, LeavesOutWhatHasNoNumberAndPoolsWords) {
   EXPECT_NEAR(law.exponents[0].value, 1, 1e-12);
 }
 
+TEST(StudyLaw, PoolsNumbersThatChooseAFace) {
+  for (const char* keys :
+       {"slider.surface.seed", "resonator.surface.row", "slider.surface.column, scene.spacing"}) {
+    std::vector<StudyAxis> axes = two_axes;
+    axes.insert(axes.begin(), {"face", {1, 2, 3}, {}, "1", keys});
+    const StudyLaw law =
+        fit_law(answers_of(axes, [](const std::vector<double>& x) { return x[0] * x[1] * x[2]; }));
+    EXPECT_THAT(law.pooled, ElementsAre("face")) << keys;
+    EXPECT_EQ(law.exponents.size(), 2u);
+  }
+}
+
 TEST(StudyLaw, LeavesOutAKeyWithoutEffect) {
   for (const int idle : {0, 1, 2}) {
     std::vector<StudyAxis> axes = two_axes;

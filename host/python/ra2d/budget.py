@@ -402,6 +402,7 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
     rows = {CHANCE: f"{len(faces)} realisations", **{name: how for name, (how, _) in cases.items()}}
     table = pd.DataFrame({"changed to": pd.Series(rows, dtype=object)}).reindex(list(rows))
     found: dict[str, Estimate] = {}
+    more: list[str] = []
     dominant: dict[str, str] = {}
     for name, _, unit, by_ratio, words in QUANTITIES:
         by_case = {case: _by_realisation(runs, case, name) for case in (AS_GIVEN, *cases)}
@@ -427,6 +428,9 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
         value, low, high = (math.exp(end) if by_ratio else end
                             for end in (mean, mean - total, mean + total))
         note = "chance and shifts, as squares"
+        if finite_base.size > 1 and np.ptp(finite_base) == 0:
+            note = "all realisations have the same value, which shows no chance: try more of them"
+            more.append(f"{words}: {note}")
         if finite_base.size < len(faces):
             note += f"; {finite_base.size} of {len(faces)} realisations have one"
         found[name] = Estimate(value, low, high, unit, note)
@@ -441,4 +445,4 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
         pairs, index=pd.RangeIndex(1, len(faces) + 1, name="realisation"))
     return Budget(found["level"], found["shock_rate"], found["shock_duration"], table, realisations,
                   runs, dominant,
-                  [*_notes(runs), *notes], table_of)
+                  [*_notes(runs), *more, *notes], table_of)

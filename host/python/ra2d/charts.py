@@ -18,7 +18,8 @@ def picture(chart: str, tables: Sequence[str | os.PathLike[str]]) -> Picture:
         return chart_accuracy.picture(
             *files) if chart == "accuracy" else chart_stability.picture(*files)
     except OSError as fault:
-        raise FileError(f"cannot read a table of the chart: {fault}") from fault
+        raise FileError(f"cannot read '{fault.filename}': {fault.strerror}") from fault
     except (KeyError, ValueError, IndexError, TypeError) as fault:
-        raise FileError("a table of the chart has something else than 'ra2d chart' writes: "
-                        f"{fault!r}") from fault
+        what = f", and no {fault.args[0]!r}" if isinstance(fault, KeyError) else ""
+        raise FileError(f"a table of the chart has something else than 'ra2d chart' writes{what}: "
+                        "make the chart again") from fault

@@ -169,6 +169,9 @@ def main(requests: TextIO) -> int:
         return 3
     # a fault of ours ends with a message, and with no picture
     except Exception as fault:  # noqa: BLE001
+        if isinstance(fault, OSError) and fault.filename is not None:
+            _say(f"{made} was not made: cannot read or write '{fault.filename}': {fault.strerror}")
+            return 4
         at = traceback.extract_tb(fault.__traceback__)[-1]
         _say(f"{made} was not made: {type(fault).__name__}: {fault} "
              f"({pathlib.Path(at.filename).name}, line {at.lineno})")

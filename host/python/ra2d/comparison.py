@@ -8,6 +8,7 @@ import json
 import math
 import os
 import pathlib
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Union
@@ -17,7 +18,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from . import toml
-from .errors import FileError, RequestError
+from .errors import FileError, Notice, RequestError
 from .results import Body, Result, load
 from .scenes import UNITS, Scene, scene
 from .student import Values, for_all, mean_differs, means_differ
@@ -27,6 +28,7 @@ from .style import quantity, unit_text
 PARTS = 10       # of a run; their scatter gives the chance within it
 FEWEST = 8       # parts or pairs with a value that a test within a run needs
 OTHER_FACES = "more than chance within these runs, but the faces differ"
+NO_SCATTER = "the values do not scatter, and so show no chance"
 MARK = 0.05      # a difference that chance makes rarer than this is marked
 BANDS = "third octave"
 
@@ -317,7 +319,8 @@ class _Run:
 
     def __init__(self, result: Result) -> None:
         self.result, self.whole = result, result.analysis()
-        self.why = str(self.whole["no_interval"] or "")
+        self.why = _why_untested(self.whole)
+        self.has_modes = result.scene.content().get("output", {}).get("modes") != "none"
         self.widening = 1.0 if self.why else _widening(result)
         self.parts: list[dict[str, Any]] = []
         if not self.why:
@@ -350,22 +353,39 @@ def _finite(value: float | None) -> float:
     return math.nan if value is None or not math.isfinite(value) else float(value)
 
 
-def _test_of_runs(a: _Run, b: _Run, one: Values, other: Values, paired: bool) -> tuple[float, str]:
-    """The chance of a difference of two runs, or why there is no test."""
-    for side, run in (("A", a), ("B", b)):
+def _why_untested(whole: Mapping[str, Any]) -> str:
+    """Why a run is not compared by its parts: of one that has no interval, too, they are no sample
+    of what it does. Empty where they are."""
+    if whole["lv"] is not None:
+        return str(whole["no_interval"] or "")
+    if whole["v_rms"] is None:
+        return "nothing was counted"
+    return "its resonator does not vibrate, and nothing else says how long the motion remembers"
+
+
+def _test_of_runs(a: _Run, b: _Run, of: Callable[[_Run], tuple[float, Values]],
+                  paired: bool) -> tuple[float, float, float, str]:
+    """The values of two runs, the chance of their difference, and why it is not known where it is
+    NaN."""
+    (x, one), (y, other) = of(a), of(b)
+    for side, run, whole, parts in (("A", a, x, one), ("B", b, y, other)):
         if run.why:
-            return math.nan, f"{side}: {run.why}"
-    if paired:
-        both = one - other
-        finite = both[np.isfinite(both)]
-        # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
-        if finite.size >= FEWEST:
-            return mean_differs(finite), ""
-    else:
-        x, y = one[np.isfinite(one)], other[np.isfinite(other)]
-        if min(x.size, y.size) >= FEWEST:
-            return means_differ(x, y, (a.widening, b.widening)), ""
-    return math.nan, "a tenth of the run is too short for it"
+            return x, y, math.nan, f"{side}: {run.why}"
+        if not whole > 0:
+            return x, y, math.nan, f"{side}: the test takes logarithms, and it is not positive"
+        if not run.has_modes and not np.isfinite(parts).any():
+            return x, y, math.nan, f"{side}: the file has no motion of the modes (output.modes)"
+        if np.isfinite(parts).sum() < FEWEST:
+            return x, y, math.nan, f"{side}: fewer than {FEWEST} of its ten parts have one"
+    if not paired:
+        return x, y, means_differ(one[np.isfinite(one)], other[np.isfinite(other)],
+                                  (a.widening, b.widening)), NO_SCATTER
+    both = one - other
+    finite = both[np.isfinite(both)]
+    if finite.size < FEWEST:
+        return x, y, math.nan, f"fewer than {FEWEST} of ten pairs of parts have one"
+    # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
+    return x, y, mean_differs(finite), NO_SCATTER
 
 
 def _row(a: float, b: float, unit: str, difference: float, chance: float,
@@ -427,8 +447,7 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
                                         rtol=1e-9, atol=1e-12)
 
     def compare(unit: str, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> dict[str, Any]:
-        (x, x_parts), (y, y_parts) = one.series(kind, of), other.series(kind, of)
-        chance, why = _test_of_runs(one, other, x_parts, y_parts, paired)
+        x, y, chance, why = _test_of_runs(one, other, lambda run: run.series(kind, of), paired)
         if unit.startswith("dB"):
             x, y = ((_decibels(v) for v in (x, y)) if unit == "dB re 1 nm/s" else (x, y))
             return _row(x, y, unit, y - x, chance, why)
@@ -437,8 +456,8 @@ def _of_runs(a: Result, b: Result) -> tuple[pd.DataFrame, pd.DataFrame, str, lis
     answers = {figure.name: compare(figure.unit, figure.kind, figure.of) for figure in _FIGURES}
     bands: dict[str, dict[str, Any]] = {}
     for name, centre in _shared_bands([one.whole, other.whole]):
-        (x, x_parts), (y, y_parts) = (run.series("mean", _band_of(centre)) for run in (one, other))
-        chance, why = _test_of_runs(one, other, x_parts, y_parts, paired)
+        band = _band_of(centre)
+        x, y, chance, why = _test_of_runs(one, other, lambda run: run.series("mean", band), paired)
         low, high = (10 * math.log10(v) if v > 0 else math.nan for v in (x, y))
         bands[name] = _row(low, high, "dB re 1 nm/s", high - low, chance, why)
     _mark_family(bands)
@@ -470,15 +489,15 @@ def _mark_family(bands: dict[str, dict[str, Any]]) -> None:
 # --------------------------------------------------------------------------------
 
 def _test_of_sets(one: Values, other: Values, paired: bool) -> tuple[float, str]:
+    """The chance of a difference, and why it is not known where it is NaN."""
     if paired:
         both = one - other
         finite = both[np.isfinite(both)]
-        return (mean_differs(finite), "") if finite.size > 1 else (math.nan,
-                                                                   "fewer than two pairs have one")
+        return mean_differs(finite), NO_SCATTER if finite.size > 1 else (
+            "fewer than two pairs have one")
     x, y = one[np.isfinite(one)], other[np.isfinite(other)]
-    return (means_differ(x, y), "") if min(x.size, y.size) > 1 else (math.nan,
-                                                                     "fewer than two runs of a "
-                                                                     "side have one")
+    return means_differ(x, y), NO_SCATTER if min(x.size, y.size) > 1 else (
+        "fewer than two runs of a side have one")
 
 
 def _mean(values: Values) -> float:
@@ -613,8 +632,9 @@ def _content_of_study(study: Study) -> dict[str, Any]:
     except FileNotFoundError:
         pairs = []
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
-        raise FileError(f"'{snapshot}' cannot be read ({fault}): run the study's line again, "
-                        "which writes it anew") from fault
+        why = fault.strerror if isinstance(fault, OSError) else "it is not what 'ra2d study' wrote"
+        raise FileError(f"'{snapshot}' cannot be read ({why}): run the study's line again, which "
+                        "writes it anew") from fault
     for key, text in pairs:
         try:
             given = toml.parse(f"value = {text}")["value"]
@@ -658,6 +678,36 @@ def _cut_short(name: str, side: Any) -> list[str]:
             and not one.complete]
 
 
+def _origin(result: Result) -> tuple[Any, ...]:
+    """Equal for a result and its copy."""
+    named = [result.attrs.get(name) for name in ("key", "started", "wall_seconds")]
+    return (*named,) if all(named) else (result.path.resolve(),)
+
+
+def _one_run(name: str, side: Any) -> list[str]:
+    """Of results that stand for the same run."""
+    seen: dict[str, Result] = {}
+    notes = []
+    for one in side if isinstance(side, list) else []:
+        key = str(one.attrs.get("key") or one.path.resolve())
+        if key in seen:
+            notes.append(f"{name}: {seen[key].path.name} and {one.path.name} are one run, which "
+                         "counts twice: chance looks smaller than it is.")
+        seen.setdefault(key, one)
+    return notes
+
+
+def _answers(one: Any, other: Any) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
+    if isinstance(one, Study):
+        return _of_studies(one, other)
+    if isinstance(one, Result) and isinstance(other, Result):
+        return _of_runs(one, other)
+    if isinstance(one, list) and isinstance(other, list):
+        return _of_sets(one, other)
+    raise RequestError("one side is a single result, the other a list: give several results on "
+                       "both sides, of the same seeds if you can")
+
+
 def compare(a: Source, b: Source) -> Comparison:
     """The differences between A and B in scene and answers, and whether the answers differ by
     more than chance.
@@ -684,20 +734,15 @@ def compare(a: Source, b: Source) -> Comparison:
             "studies")
     table = _scene_table(_content(one), _content(other))
     names = (_called(one), _called(other))
-    notes = _cut_short("A", one) + _cut_short("B", other)
+    notes = [note for name, side in (("A", one), ("B", other))
+             for note in _cut_short(name, side) + _one_run(name, side)]
     if any(isinstance(side, Scene) for side in (one, other)):
         empty = _table({}, "quantity")
         return Comparison(names, table, empty, _table({}, "band"), "",
                           notes + ["A scene has no answers: run it, and compare the results."])
-    if isinstance(one, Study):
-        answers, bands, test, more = _of_studies(one, other)
-    elif isinstance(one, Result) and isinstance(other, Result):
-        answers, bands, test, more = _of_runs(one, other)
-    elif isinstance(one, list) and isinstance(other, list):
-        answers, bands, test, more = _of_sets(one, other)
-    else:
-        raise RequestError(
-            "one side is a single result, the other a list: give several results on both sides, of "
-            "the "
-                           "same seeds if you can")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", Notice)  # of runs that were cut short: the notes have it
+        answers, bands, test, more = _answers(one, other)
+    if isinstance(one, Result) and _origin(one) == _origin(other):
+        notes.append("A and B are one run: that they agree says nothing about chance.")
     return Comparison(names, table, answers, bands, test, notes + more)

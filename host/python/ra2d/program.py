@@ -122,10 +122,10 @@ def ask(*words: object) -> Any:
     return json.loads(call(*words, "--json"))
 
 
-def follow(words: Sequence[object], show: Callable[[str], None]) -> None:
-    """Calls the program and shows its progress. An interrupt (Ctrl-C, or the stop button of a
-    notebook) is handed on: the program writes its checkpoint, then KeyboardInterrupt is raised. A
-    second one ends the program at once.
+def follow(words: Sequence[object], show: Callable[[str], None]) -> str:
+    """Calls the program, shows its progress, and returns what it prints. An interrupt (Ctrl-C, or
+    the stop button of a notebook) is handed on: the program writes its checkpoint, then
+    KeyboardInterrupt is raised. A second one ends the program at once.
 
     The program shows progress on a terminal only, so it is given one of its own. When this process
     dies, that terminal hangs up, and the program ends in order with a checkpoint.
@@ -139,9 +139,12 @@ def follow(words: Sequence[object], show: Callable[[str], None]) -> None:
                                      preexec_fn=lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0))
             os.close(its)
             messages, interrupted = _watch(screen.fileno(), child, show, held)
+        printed.seek(0)
+        said = printed.read().decode(errors="replace")
     if interrupted:
         raise KeyboardInterrupt(messages[-1] if messages else "")
     _finish(_status(child), messages)
+    return said
 
 
 class _HeldInterrupt:

@@ -6,10 +6,12 @@ import hashlib
 import os
 import pathlib
 import re
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
 from . import program, progress
+from .errors import Notice
 from .results import Result
 from .scenes import Scene, scene
 
@@ -57,5 +59,9 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
                                "--checkpoint": checkpoint,
                                "--max-wall": max_wall, "--device": device})
     with program.scratch() as folder, progress.shown(show) as shown:
-        program.follow(["run", what.file(folder), *what.options(), "-o", path, *options], shown)
+        report = program.follow(["run", what.file(folder), *what.options(), "-o", path, *options],
+                                shown)
+    for line in report.splitlines():  # what a reader of the figures should not overlook
+        if line.startswith("  warning "):
+            warnings.warn(line.removeprefix("  warning").strip(), Notice, stacklevel=2)
     return Result(path)

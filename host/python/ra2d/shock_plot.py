@@ -33,7 +33,7 @@ def choose(shocks: pd.DataFrame, number: int | None) -> int:
                                                   int | np.integer) or number not in shocks.index:
         raise RequestError(
             f"shock is {number!r}: the shocks here have the numbers {shocks.index[0]} to "
-                           f"{shocks.index[-1]}, and None means the strongest")
+            f"{shocks.index[-1]}; the strongest is shown without a number")
     return int(number)
 
 

@@ -89,7 +89,8 @@ class File:
         except Error:
             raise
         except _DAMAGE as fault:
-            why = FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {fault}. 'ra2d "
+            what = str(fault.args[0] if isinstance(fault, KeyError) else fault)  # else in quotes
+            why = FileError(f"cannot read {str(self.path)!r} as a result of ra2d: {what}. 'ra2d "
                             "check' says what of it is damaged")
             if sealed is not None and sealed.fault is not None:
                 why = sealed.fault

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Student's t: intervals of means, and whether two of them differ by more than chance."""
+"""Student's t: intervals of means, and whether two of them differ by more than chance.
+
+It is of values that scatter. Of a continuous quantity no two are equal: those that are come from
+rounding, as durations that are whole numbers of steps do, and show no chance smaller than their
+step, which nothing here knows. So equal values have no interval, and no chance but where they
+agree."""
 from __future__ import annotations
 
 import math
@@ -34,18 +39,20 @@ def student_factor(freedom: float, share: float = 0.95) -> float:
 
 
 def half_interval(values: Values) -> float:
-    """Half of the 95 % interval of the mean; NaN of fewer than two values.
+    """Half of the 95 % interval of the mean; NaN of fewer than two values, or of equal ones.
 
     >>> round(half_interval(np.array([1.0, 2.0, 3.0])), 4)
     2.4841
     """
     n = values.size
-    return student_factor(n - 1) * float(values.std(ddof=1)) / math.sqrt(n) if n > 1 else math.nan
+    if n < 2 or np.ptp(values) == 0:
+        return math.nan
+    return student_factor(n - 1) * float(values.std(ddof=1)) / math.sqrt(n)
 
 
 def mean_differs(differences: Values) -> float:
     """Probability of a mean so far from 0 by chance, by Student's t of paired differences. NaN of
-    fewer than two.
+    fewer than two, or of equal ones that are not 0.
 
     >>> mean_differs(np.array([1.0, 1.1, 0.9])) < 0.01
     True
@@ -53,25 +60,26 @@ def mean_differs(differences: Values) -> float:
     n = differences.size
     if n < 2:
         return math.nan
+    if np.ptp(differences) == 0:
+        return math.nan if differences.any() else 1.0
     error = float(differences.std(ddof=1)) / math.sqrt(n)
-    if error == 0:
-        return float(not differences.any())
     return chance_beyond(float(differences.mean()) / error, n - 1)
 
 
 def means_differ(a: Values, b: Values, widening: tuple[float, float] = (1.0, 1.0)) -> float:
     """Probability of means so far apart by chance, by Welch's t. `widening`: by how much the
-    scatter of either side understates the error of its mean. NaN of fewer than two on a side.
+    scatter of either side understates the error of its mean. NaN of fewer than two on a side, or
+    where neither side scatters and they are not equal.
 
     >>> means_differ(np.array([1.0, 1.1, 0.9]), np.array([2.0, 2.1, 1.8])) < 0.01
     True
     """
     if min(a.size, b.size) < 2:
         return math.nan
+    if np.ptp(a) == np.ptp(b) == 0:
+        return 1.0 if a[0] == b[0] else math.nan
     squares = [w * w * float(x.var(ddof=1)) / x.size for x, w in zip((a, b), widening)]
     apart, both = float(a.mean() - b.mean()), sum(squares)
-    if both == 0:
-        return float(apart == 0)
     freedom = both ** 2 / sum(s * s / (x.size - 1) for s, x in zip(squares, (a, b)))
     return chance_beyond(apart / math.sqrt(both), freedom)
 

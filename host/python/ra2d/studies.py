@@ -219,15 +219,22 @@ def _table(path: pathlib.Path) -> xr.Dataset:
     """The table of a study, read whole: it is small."""
     file = stored.File(path)
     attrs = file.attributes()
+    damaged = FileError(f"{str(path)!r} is no table of a study, or is damaged")
     if not {"study_format", "dimensions"} <= set(attrs):
-        raise FileError(f"{str(path)!r} is no table of a study, or is damaged")
+        raise damaged
     if str(attrs["study_format"]) != str(FORMAT):
         raise FileError(f"{str(path)!r} has format {attrs['study_format']}, this package reads "
                         f"{FORMAT}: take the package that came with the program")
+    if not {"study", "base"} <= set(attrs) or not all(
+            str(attrs.get(count)).isdigit() for count in ("runs", "done", "failed")):
+        raise damaged
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
     variables |= {name: dims for name in _VARIABLES if name not in dims}
-    return file.read("/", variables).load().assign_attrs(attrs)
+    found = file.read("/", variables).load().assign_attrs(attrs)
+    if not {"status", "message"} <= set(found):
+        raise damaged
+    return found
 
 
 def load_study(folder: str | os.PathLike[str]) -> Study:

@@ -251,6 +251,18 @@ def test_failed_runs_are_told_and_make_no_interval(budget):
     assert "unknown" in found.text() and "too stiff" in found.text()
 
 
+def test_realisations_of_one_value_are_no_certainty(budget):
+    """Medians that are whole numbers of steps may agree by rounding: no interval of no width."""
+    runs = budget.runs.copy()
+    runs["shock_duration"] = 3e-5
+    rows = {name: (how, {}) for name, how in budget.table["changed to"].items() if name != "chance"}
+    faces = [[realisations.Face("seed 1", "slider.surface.seed", 1)]] * 4
+    found = budgets._of_runs(runs, rows, faces, budget.study)
+    assert found.shock_duration == pytest.approx(3e-5) and math.isnan(found.shock_duration.low)
+    assert "duration of a shock: all realisations have the same value" in found.text()
+    assert "+0 \u00b1 unknown" in found.text() and found.level.low == budget.level.low
+
+
 def test_wrong_requests(base, folder):
     for seeds in (1, 2.5, "3", None):
         with pytest.raises(ra2d.RequestError, match="seeds = "):

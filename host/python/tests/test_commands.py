@@ -2,16 +2,19 @@
 """`ra2d plot`, `sound` and `report`: the program reads the line, this package answers it. Each
 command is tried with a Python of its own (`environment={}`), and all that is asked of it beside
 that with one that starts quickly."""
+import errno
+import io
 import json
 import os
 import pathlib
 import shutil
 import subprocess
+import warnings
 
 import pytest
 import soundfile
 
-from ra2d import program
+from ra2d import commands, program
 
 
 WARM = {}
@@ -187,6 +190,17 @@ def test_scenes_by_name(place):
         assert said.returncode == 4 and "did you mean 'dang2012'" in said.stderr
 
 
+def test_what_the_system_refuses_is_told_without_words_of_python(capsys, monkeypatch):
+    def refused(request):
+        raise PermissionError(errno.EACCES, "Permission denied", "there/results.h5")
+
+    monkeypatch.setitem(commands.COMMANDS, "compare", refused)
+    with warnings.catch_warnings():  # of which main() has its own way
+        assert commands.main(io.StringIO('{"command": "compare"}')) == 4
+    assert capsys.readouterr().err == ("ra2d: the answer was not made: cannot read or write "
+                                       "'there/results.h5': Permission denied\n")
+
+
 def test_without_python(place):
     said = ra2d(place, "plot", "out.h5", "--what", "level", environment={"PATH": str(place)})
     # Debian's own is found all the same
@@ -253,6 +267,9 @@ def test_compare_prints_the_packages_comparison(place, result, study):
         assert ended.returncode == status and ended.stderr.startswith(
             "ra2d: ") and "Traceback" not in ended.stderr
         assert ended.stdout == "", other
+    (place / "text.h5").write_text("no result")
+    assert ra2d(place, "compare", "out.h5", "text.h5").stderr.startswith(
+        "ra2d: cannot read 'text.h5': it is no HDF5 file")
 
 
 def test_plot_takes_a_stretch_and_a_shock(place, result):

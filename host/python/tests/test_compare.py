@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Comparisons: scenes key by key, answers by the program's numbers, and false alarms as rare as is
 said."""
+import dataclasses
 import json
 import math
 import pathlib
 import re
 import shutil
+import warnings
 
 import h5py
 import numpy as np
@@ -219,6 +221,56 @@ def test_runs_without_noise_or_shocks(base, folder, result):
     assert found.answers.a["rate of shocks"] == 0 and found.answers.why[
         "duration of a shock"] == "neither has one"
     assert "third octaves" in found.text() or found.bands.empty
+
+
+def test_each_reason_is_of_its_quantity(base, folder, result):
+    """Not of the level's interval, where something else is missing."""
+    bare = ra2d.run(base, {"output.modes": "none"}, output=folder / "bare.h5", show=False)
+    why = ra2d.compare(result, bare).answers
+    assert why.why["level"] == "B: the file has no motion of the modes (output.modes)"
+    assert why.differs["rate of shocks"] is False and why.why["rate of shocks"] == ""
+    short = ra2d.run(base, {"output.modes": "none"}, duration=0.05, output=folder / "bare-short.h5",
+                     show=False)
+    assert "the run is too short" in ra2d.compare(short, short).answers.why["peak force"]
+    rigid = ra2d.run(base, {"resonator.support": "rigid"}, duration=0.3,
+                     output=folder / "rigid-again.h5", show=False)
+    why = ra2d.compare(rigid, rigid).answers.why
+    assert why["rate of shocks"].startswith("A: its resonator does not vibrate")
+    lossless = dataclasses.replace(comparison._FIGURES[0], of=lambda found: -1.0)
+    _, _, _, why = comparison._test_of_runs(
+        comparison._Run(result), comparison._Run(result),
+        lambda run: run.series(lossless.kind, lossless.of), True)
+    assert why == "A: the test takes logarithms, and it is not positive"
+    rare = [math.nan] * 3 + [1.0] * 7
+    _, _, _, why = comparison._test_of_runs(
+        comparison._Run(result), comparison._Run(result), lambda run: (1.0, np.array(rare)), True)
+    assert why == "A: fewer than 8 of its ten parts have one"
+
+
+def test_one_run_twice_is_told(result, folder):
+    copy = folder / "same-run.h5"
+    shutil.copy(result.path, copy)
+    assert ra2d.compare(result, copy).notes == [
+        "A and B are one run: that they agree says nothing about chance."]
+    notes = ra2d.compare([result, ra2d.load(copy)], [result, result]).notes
+    assert [note[:2] for note in notes] == ["A:", "B:"] and "same-run.h5 are one run" in notes[0]
+
+
+def test_values_that_do_not_scatter_show_no_chance():
+    same = np.array([2.0, 2.0])
+    for paired in (True, False):
+        chance, why = comparison._test_of_sets(same, same + 1, paired)
+        assert math.isnan(chance) and why == comparison.NO_SCATTER
+
+
+def test_a_run_that_was_cut_short_is_told_once(folder, result):
+    """By the notes, and not by each analysis of its parts."""
+    with pytest.raises(ra2d.OutOfTime):
+        ra2d.run("dang2012", output=folder / "late.h5", max_wall=0.2, show=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = ra2d.compare(result, folder / "late.h5")
+    assert sum("was cut short" in note for note in found.notes) == 1
 
 
 def test_short_and_interrupted_runs(base, folder, result):

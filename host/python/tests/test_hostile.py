@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import ra2d
-from ra2d import files, program, toml
+from ra2d import charts, files, program, toml
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +48,33 @@ def test_the_program_s_cure_is_told_in_python():
         ra2d.run("dang2012", speed=0.2, tolerance=1e-6, show=False)
     # the cure cures
     assert ra2d.scene("dang2012").change(speed=0.2, tolerance=1e-6, duration=0.9).plan()
+
+
+@pytest.mark.parametrize("damage", [lambda file: file.pop("message"),
+                                    lambda file: file.pop("status"),
+                                    lambda file: file.attrs.pop("runs"),
+                                    lambda file: file.attrs.pop("study"),
+                                    lambda file: file.attrs.update(failed="none")])
+def test_a_table_that_lacks_something(study, tmp_path, damage):
+    path = tmp_path / "results.h5"
+    shutil.copy(study.folder / "results.h5", path)
+    with h5py.File(path, "r+") as file:
+        damage(file)
+    with pytest.raises(ra2d.FileError, match="no table of a study, or is damaged$"):
+        ra2d.load_study(path)
+
+
+@pytest.mark.parametrize("chart, tables", [("stability", 3), ("accuracy", 2)])
+def test_tables_of_charts_that_are_others(tmp_path, chart, tables):
+    """No words of Python."""
+    table = tmp_path / "chart.csv"
+    with pytest.raises(ra2d.FileError,
+                       match=f"^cannot read '{table}': No such file or directory$"):
+        charts.picture(chart, [table] * tables)
+    table.write_text("scheme,step\nrk4,1\n")
+    with pytest.raises(ra2d.FileError,
+                       match=r"than 'ra2d chart' writes(, and no '\w+')?: make the chart again$"):
+        charts.picture(chart, [table] * tables)
 
 
 def test_options_are_told_in_python(base, small):

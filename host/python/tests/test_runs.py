@@ -159,6 +159,11 @@ def test_max_wall_is_an_exception(folder):
     assert not ra2d.load(folder / "late.h5").complete
 
 
+def test_warnings_of_the_report_are_notices(folder):
+    with pytest.warns(ra2d.Notice, match="^[0-9]+ % of the energy is unaccounted for: steps of"):
+        ra2d.run("drop", {"time.step": 5e-6}, output=folder / "drop.h5", show=False)
+
+
 def test_a_failed_simulation_is_an_exception_and_a_file(folder):
     with pytest.raises(ra2d.SimulationError):
         ra2d.run("dang2012", {"time.scheme": "explicit-euler", "time.step": 5e-6,

@@ -48,5 +48,10 @@ def test_what_cannot_be_tested():
     one, same = np.array([1.0]), np.array([2.0, 2.0])
     assert math.isnan(student.half_interval(one)) and math.isnan(student.mean_differs(one))
     assert math.isnan(student.means_differ(one, same))
-    assert student.means_differ(same, same) == 1 and student.means_differ(same, same + 1) == 0
-    assert student.mean_differs(same - same) == 1 and student.mean_differs(same) == 0
+    assert student.means_differ(same, same) == 1 and student.mean_differs(same - same) == 1
+    # equal values, of which three tenths have a mean beside them: no certainty
+    for equal in (same, np.array([0.3, 0.3, 0.3])):
+        assert math.isnan(student.half_interval(equal))
+        assert math.isnan(student.means_differ(equal, equal + 1))
+        assert math.isnan(student.mean_differs(equal))
+    assert 0 < student.means_differ(same, np.array([3.0, 3.1])) < 1
