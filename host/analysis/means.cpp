@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <system_error>
 #include <utility>
 
@@ -39,10 +40,10 @@ std::string text_without_faces(Scene scene) {
   return text_of(std::move(scene));
 }
 
-bool are_one_run(const Analysis& a, const Analysis& b) {
+/// Equal for results of one run.
+std::string run_of(const Analysis& a) {
   std::error_code none;
-  if (std::filesystem::equivalent(a.file, b.file, none)) return true;
-  return a.scene && b.scene && text_of(*a.scene) == text_of(*b.scene);
+  return a.scene ? text_of(*a.scene) : std::filesystem::weakly_canonical(a.file, none).string();
 }
 
 struct Figure {
@@ -90,15 +91,6 @@ void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<Figur
   if (!analyses.front().power) return;
   add("power.lw", [](const Analysis& a) { return a.power->lw; });
   add("power.lwa", [](const Analysis& a) { return a.power->lw_a; });
-}
-
-/// The result before `at` that is of the same run; null: none.
-const Analysis* twin_before(const std::vector<Analysis>& analyses, std::size_t at) {
-  const auto end = analyses.begin() + static_cast<std::ptrdiff_t>(at);
-  const auto found = std::find_if(analyses.begin(), end, [&](const Analysis& earlier) {
-    return are_one_run(earlier, analyses[at]);
-  });
-  return found == end ? nullptr : &*found;
 }
 
 }  // namespace
@@ -150,12 +142,13 @@ std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
 
 std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) {
   std::vector<std::string> doubts;
-  for (std::size_t i = 1; i < analyses.size(); ++i)
-    if (const Analysis* twin = twin_before(analyses, i))
+  std::map<std::string, const Analysis*> first;
+  for (const Analysis& one : analyses)
+    if (const auto [twin, is_new] = first.try_emplace(run_of(one), &one); !is_new)
       doubts.push_back(
           fmt::format("{} and {} are of one run: in the means it counts twice, and their intervals "
                       "are too narrow",
-                      twin->file.string(), analyses[i].file.string()));
+                      twin->second->file.string(), one.file.string()));
   const auto other = std::find_if(analyses.begin(), analyses.end(), [&](const Analysis& one) {
     return one.scene && analyses.front().scene &&
            text_without_faces(*one.scene) != text_without_faces(*analyses.front().scene);
@@ -163,7 +156,7 @@ std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) 
   if (other != analyses.end())
     doubts.push_back(
         fmt::format("{} and {} are of scenes that differ in more than their faces ('ra2d compare' "
-                    "shows in what): their means and intervals are of no one thing",
+                    "shows in what): the means mix them",
                     analyses.front().file.string(), other->file.string()));
   return doubts;
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+import re
 from collections.abc import Sequence
 
 from . import chart_accuracy, chart_stability
@@ -20,6 +21,7 @@ def picture(chart: str, tables: Sequence[str | os.PathLike[str]]) -> Picture:
     except OSError as fault:
         raise FileError(f"cannot read '{fault.filename}': {fault.strerror}") from fault
     except (KeyError, ValueError, IndexError, TypeError) as fault:
-        what = f", and no {fault.args[0]!r}" if isinstance(fault, KeyError) else ""
-        raise FileError(f"a table of the chart has something else than 'ra2d chart' writes{what}: "
-                        "make the chart again") from fault
+        value = re.search(r"'.*'", str(fault))  # a column that is missing, or no number
+        what = f" ({'no ' if isinstance(fault, KeyError) else ''}{value[0]})" if value else ""
+        raise FileError(f"a table of the chart is not what 'ra2d chart' writes{what}: make the "
+                        "chart again") from fault
