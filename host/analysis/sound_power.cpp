@@ -219,7 +219,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
       is_long ? power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0)) : quiet_nan;
   add_bands(found, whole, {power, weighted, square}, flow, rate, seconds,
             seconds * static_cast<double>(pieces));
-  found.share_above = share_above(whole, weighted, last);
+  found.share_above = is_long ? share_above(whole, weighted, last) : quiet_nan;
   add_modes(found, resonator, resistance, highest);
   found.share_of_damping = 2 * found.watts / found.damping_power;
   found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);

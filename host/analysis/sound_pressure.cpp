@@ -198,7 +198,8 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
 std::string too_short_text(double shortest) {
   const double no_less = 1.005 * shortest;  // when it is rounded to three digits
   return fmt::format(
-      "too short: it takes {:.3g} s or more, as the third octave of the last mode does", no_less);
+      "the stretch is too short: the third octave of the last mode takes {:.3g} s or more",
+      no_less);
 }
 
 double last_mode(const std::vector<double>& frequencies) {
@@ -209,8 +210,8 @@ double last_mode(const std::vector<double>& frequencies) {
 std::string above_modes_text(double share, double last_mode) {
   if (!(share > much_above)) return {};
   return fmt::format(
-      "{:.0f} % of the dB(A) come from above the last mode that was kept, at {:.4g} kHz, where "
-      "more modes would give another level: raise resonator.max_frequency",
+      "{:.0f} % of the A-weighted power lies above the last mode that was kept, at {:.4g} kHz, "
+      "where more modes would give another level: raise resonator.max_frequency",
       100 * share, 1e-3 * last_mode);
 }
 
@@ -234,14 +235,15 @@ MicrophoneLevels levels_of(const HeardSound& sound, double rate,
   const double seconds = static_cast<double>(p.size()) / rate;
   m.last_mode = last_mode(frequencies);
   m.shortest = shortest_stretch(m.last_mode, passed * rate);
-  m.lp_a = seconds < m.shortest
-               ? quiet_nan
-               : pressure_level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)));
+  const bool is_long = seconds >= m.shortest;
+  m.lp_a = is_long
+               ? pressure_level(std::sqrt(std::accumulate(weighted.begin(), weighted.end(), 0.0)))
+               : quiet_nan;
   m.number = carried_bands(passed * rate, seconds);
   const auto of_bands = band_powers(m.number, whole, {power, weighted});
   for (const double value : of_bands[0]) m.level.push_back(pressure_level(std::sqrt(value)));
   for (const double value : of_bands[1]) m.level_a.push_back(pressure_level(std::sqrt(value)));
-  m.share_above = share_above(whole, weighted, m.last_mode);
+  m.share_above = is_long ? share_above(whole, weighted, m.last_mode) : quiet_nan;
   for (const int number : m.number) m.spread.push_back(band_spread(number, seconds));
   LevelParts parts(sound.first, p.size(), rate, 1);
   parts.add_column(0, p);

@@ -300,8 +300,9 @@ TEST_F(Sounds, OfAShortStretchHasNoTotals) {
     options.to = to;
     const Analysis a = analyze(folder_.path() / "a.h5", options);
     const MicrophoneLevels& m = a.microphones[0];
-    for (const double total : {m.lp_a, a.power->watts, a.power->lw, a.power->lw_a,
-                               a.power->efficiency, a.power->share_of_damping, a.lv_a})
+    for (const double total :
+         {m.lp_a, m.share_above, a.power->watts, a.power->lw, a.power->lw_a, a.power->share_above,
+          a.power->efficiency, a.power->share_of_damping, a.lv_a})
       EXPECT_EQ(std::isfinite(total), is_known) << to;
     EXPECT_NEAR(m.lp, 20 * std::log10(m.rms / 20e-6), 1e-12);
     const std::vector<bool> above = bands_above_modes(a, a.power->number);
@@ -315,7 +316,7 @@ TEST_F(Sounds, OfAShortStretchHasNoTotals) {
   options.to = 0.05001;
   // four cycles of the width of the band of 20 kHz
   const std::string least =
-      "too short: it takes 0.000873 s or more, as the third octave of the last mode does";
+      "the stretch is too short: the third octave of the last mode takes 0.000873 s or more";
   EXPECT_THAT(describe(analyze(folder_.path() / "a.h5", options)),
               AllOf(HasSubstr("sound power      not known: " + least + "\n"),
                     HasSubstr("dB re 20 uPa at 0.15, 0.1, 0.5 m; dB(A) not known: " + least),
@@ -342,7 +343,7 @@ TEST_F(Sounds, WarnsWhereTheLevelComesFromAboveTheLastMode) {
   AnalysisOptions options;
   options.sound.microphones = {{0.15, 0.1, 0.5}};
   options.sound.power = true;
-  const std::string warning = "% of the dB(A) come from above the last mode";
+  const std::string warning = "% of the A-weighted power lies above the last mode";
   EXPECT_THAT(describe(analyze(folder_.path() / "a.h5", options)), Not(HasSubstr(warning)));
   const Analysis few = analyze(folder_.path() / "few.h5", options);
   const std::string text = describe(few);
