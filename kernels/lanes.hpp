@@ -337,14 +337,18 @@ template <int packs, class Lanes>
 KOKKOS_FORCEINLINE_FUNCTION constexpr int filled(const Lanes&) {
   return packs;
 }
+/// Whether packs are so many that a CPU keeps them in memory. Few, and those of a GPU's lane, are
+/// in registers.
+template <class Lanes, int packs>
+inline constexpr bool has_many_packs = packs > 3 && !Lanes::on_gpu;
 /// On a CPU, of many packs those with modes in them. What is beyond these stays as it was: zeros in
 /// the state, nothing in a kernel's own arrays.
 template <int packs>
 KOKKOS_FORCEINLINE_FUNCTION int filled(const HostLanes& lanes) {
-  if constexpr (packs <= 3)
-    return packs;
-  else
+  if constexpr (has_many_packs<HostLanes, packs>)
     return lanes.filled_packs < packs ? lanes.filled_packs : packs;
+  else
+    return packs;
 }
 
 /// Calls use<count>(first) for all packs, `at_once` of them at a time, then one by one: of many
@@ -354,7 +358,7 @@ KOKKOS_FORCEINLINE_FUNCTION void for_packs(const Lanes& lanes, const Use& use) {
   const int all = filled<packs>(lanes);
   int p = 0;
   for (; p + at_once <= all; p += at_once) use.template operator()<at_once>(p);
-  if constexpr (packs % at_once != 0 || (packs > 3 && !Lanes::on_gpu))
+  if constexpr (packs % at_once != 0 || has_many_packs<Lanes, packs>)
     for (; p < all; ++p) use.template operator()<1>(p);
 }
 

@@ -280,6 +280,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.file = file;
   a.title = scene ? title(*scene) : file.stem().string();
   a.scene = scene;
+  a.key = contents.key;
   a.complete = contents.summary.complete;
   a.ended = contents.summary.ended;
   a.rate = contents.rate;

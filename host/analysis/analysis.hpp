@@ -54,6 +54,7 @@ struct Analysis {
   std::filesystem::path file;
   std::string title;
   std::optional<Scene> scene;  // none: the file's is not understood
+  std::string key;             // of the run; empty in files of older programs
   bool complete = true;
   std::string ended;
   double rate = 0;            // Hz, of the samples

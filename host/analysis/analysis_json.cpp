@@ -119,6 +119,7 @@ Json microphones_json(const Analysis& a) {
                     {"lpa", m.lp_a},
                     {"no_lpa", std::isnan(m.lp_a) ? too_short_text(m.shortest) : ""},
                     {"share_above_last_mode", m.share_above},
+                    {"warning", warning_of(m)},
                     {"lp_interval", interval_json(m.intervals.level)},
                     {"no_interval", m.intervals.why_none},
                     {"p_rms", m.rms},
@@ -218,7 +219,9 @@ std::string json_of(const std::vector<Analysis>& analyses) {
   if (analyses.size() == 1) {
     json = analysis_json(analyses.front());
   } else {
-    json = {{"files", Json::array()}, {"mean", means_json(analyses)}};
+    json = {{"files", Json::array()},
+            {"mean", means_json(analyses)},
+            {"doubts", doubts_of_means(analyses)}};
     for (const Analysis& analysis : analyses) json["files"].push_back(analysis_json(analysis));
   }
   // paths may be of any bytes

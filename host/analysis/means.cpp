@@ -17,16 +17,12 @@
 namespace ra2d {
 namespace {
 
-/// The scene as text, without its numerics and without what is stored of it.
-std::string text_of(Scene scene) {
+/// The scene as text, without its numerics, what is stored of it and what chooses among faces of
+/// one roughness.
+std::string text_without_faces(Scene scene) {
   scene = without_origins(std::move(scene));
   scene.time = {};
   scene.output = {};
-  return echo(scene);
-}
-
-/// That without what chooses among faces of one roughness.
-std::string text_without_faces(Scene scene) {
   scene.start = 0;
   scene.side = {};
   for (SurfaceSpec* face : {&scene.resonator.surface, &scene.slider.surface}) {
@@ -37,13 +33,13 @@ std::string text_without_faces(Scene scene) {
     face->prepared.row.reset();
     face->prepared.column.reset();
   }
-  return text_of(std::move(scene));
+  return echo(scene);
 }
 
 /// Equal for results of one run.
 std::string run_of(const Analysis& a) {
   std::error_code none;
-  return a.scene ? text_of(*a.scene) : std::filesystem::weakly_canonical(a.file, none).string();
+  return a.key.empty() ? std::filesystem::weakly_canonical(a.file, none).string() : a.key;
 }
 
 struct Figure {
@@ -97,10 +93,12 @@ void add_means_of_sound(const std::vector<Analysis>& analyses, std::vector<Figur
 
 MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
   MeanOfRuns m{0, 0, quiet_nan, quiet_nan, quiet_nan};
-  double sum = 0, squares = 0;
+  double sum = 0, squares = 0, least = quiet_nan, most = quiet_nan;
   for (const double value : values)
     if (!std::isnan(value)) {
       sum += value;
+      least = std::fmin(least, value);
+      most = std::fmax(most, value);
       ++m.count;
     }
   const auto n = static_cast<double>(m.count);
@@ -109,6 +107,7 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
   for (const double value : values)
     if (!std::isnan(value)) squares += (value - m.mean) * (value - m.mean);
   m.deviation = std::sqrt(squares / (n - 1));
+  if (least == most) return m;  // no scatter shows no chance
   const double half =
       student_quantile((1 + confidence_of_means) / 2, n - 1) * m.deviation / std::sqrt(n);
   if (kind == Values::any) {
@@ -118,8 +117,8 @@ MeanOfRuns mean_of_runs(const std::vector<double>& values, Values kind) {
     // a logit changes by 1/slope of what its share does
     const double slope = m.mean * (1 - m.mean);
     const double odds = m.mean / (1 - m.mean), factor = slope > 0 ? std::exp(half / slope) : 1;
-    m.low = half > 0 ? odds / (odds + factor) : m.mean;
-    m.high = half > 0 ? odds * factor / (1 + odds * factor) : m.mean;
+    m.low = odds / (odds + factor);
+    m.high = odds * factor / (1 + odds * factor);
     if (std::isinf(factor)) m.low = 0, m.high = 1;
   } else if (m.mean > 0) {
     m.low = m.mean * std::exp(-half / m.mean);
@@ -142,13 +141,16 @@ std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses) {
 
 std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) {
   std::vector<std::string> doubts;
-  std::map<std::string, const Analysis*> first;
-  for (const Analysis& one : analyses)
-    if (const auto [twin, is_new] = first.try_emplace(run_of(one), &one); !is_new)
-      doubts.push_back(
-          fmt::format("{} and {} are of one run: in the means it counts twice, and their intervals "
-                      "are too narrow",
-                      twin->second->file.string(), one.file.string()));
+  std::map<std::string, std::vector<const Analysis*>> runs;
+  for (const Analysis& one : analyses) runs[run_of(one)].push_back(&one);
+  for (const auto& [key, results] : runs)
+    if (results.size() > 1)
+      doubts.push_back(fmt::format(
+          "{}{} {}{} are of one run: in the means it counts {} times, and their intervals are too "
+          "narrow. Leave out all but one",
+          results[0]->file.string(), results.size() > 2 ? "," : " and", results[1]->file.string(),
+          results.size() > 2 ? fmt::format(" and {} more", results.size() - 2) : "",
+          results.size()));
   const auto other = std::find_if(analyses.begin(), analyses.end(), [&](const Analysis& one) {
     return one.scene && analyses.front().scene &&
            text_without_faces(*one.scene) != text_without_faces(*analyses.front().scene);

@@ -19,8 +19,8 @@ enum class Values {
 /// The mean of independent runs that differ by chance alone, e.g. by their seeds, and its interval
 /// of 95 % confidence, by Student's t; of positive values by Student's t of the
 /// mean's logarithm, mean exp(+-t deviation / (sqrt(count) mean)), and of shares of its logit.
-/// bench/coverage.py measures how often they hold the truth. NaN where there are too few, and of
-/// positive values that are all 0.
+/// bench/coverage.py measures how often they hold the truth. NaN where there are too few, or all
+/// are equal.
 struct MeanOfRuns {
   std::size_t count = 0;  // of values that are there
   double mean = 0, deviation = 0, low = 0, high = 0;

@@ -247,7 +247,9 @@ SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) 
       shortest = std::max(shortest, levels.shortest);
     }
     if (std::isnan(power.watts) || std::isnan(square_a))
-      found.why_none = "no dB(A): " + too_short_text(shortest);
+      found.why_none = (std::isnan(power.watts) ? "no sound power and no dB(A): "
+                                                : "no dB(A) at the microphones: ") +
+                       too_short_text(shortest);
     if (request.microphones.empty()) {
       found.why_none += found.why_none.empty() ? "" : "; ";
       found.why_none += "no sound pressure: the scene names no microphones (output.microphones)";

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "host/analysis/bands.hpp"
@@ -105,6 +106,10 @@ std::string level_text(const MicrophoneLevels& m) {
                      weighted ? "" : "; dB(A) not known: " + too_short_text(m.shortest));
 }
 
+std::string warning_of(const MicrophoneLevels& m) {
+  return above_modes_text(m.share_above, m.last_mode);
+}
+
 SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
                                      const std::filesystem::path& file,
                                      const SoundRequest& request) {
@@ -197,9 +202,11 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
 
 std::string too_short_text(double shortest) {
   const double no_less = 1.005 * shortest;  // when it is rounded to three digits
+  const int band = carried_bands(std::numeric_limits<double>::infinity(), no_less).front();
   return fmt::format(
-      "the stretch is too short: the third octave of the last mode takes {:.3g} s or more",
-      no_less);
+      "the stretch is too short: the third octave of {} Hz, the highest that modes "
+      "and samples reach, takes {:.3g} s or more",
+      third_octave_name(band), no_less);
 }
 
 double last_mode(const std::vector<double>& frequencies) {

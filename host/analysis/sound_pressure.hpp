@@ -106,6 +106,8 @@ SceneSound sound_of_scene(const Scene& scene, const std::filesystem::path& file)
 
 /// "63.15 dB re 20 uPa, 61.57 dB(A) at 0.15, 0.1, 0.5 m".
 std::string level_text(const MicrophoneLevels& microphone);
+/// A warning for a reader of these levels; mostly empty.
+std::string warning_of(const MicrophoneLevels& microphone);
 
 /// `frequencies` [Hz] and `damping` of the resonator's modes; without damping there is no interval.
 MicrophoneLevels levels_of(const HeardSound& sound, double rate,

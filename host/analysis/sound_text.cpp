@@ -74,8 +74,8 @@ std::string microphone_text(const Analysis& a, std::size_t number) {
                           ? fmt::format("silent until the sound arrives, at {:.3g} ms or later",
                                         1e3 * m.arrives)
                           : fmt::format("which began {:.3g} ms earlier or more", 1e3 * m.arrives)));
-  return text + warning_line(above_modes_text(m.share_above, m.last_mode)) +
-         history_text(m.history) + band_rows(a, m.number, m.level, "20 uPa");
+  return text + warning_line(warning_of(m)) + history_text(m.history) +
+         band_rows(a, m.number, m.level, "20 uPa");
 }
 
 /// One digit, of a bound.

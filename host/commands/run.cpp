@@ -240,8 +240,7 @@ SceneSound print_sound(const Scene& scene, const std::filesystem::path& output, 
     const MicrophoneLevels& m = sound.microphones[i];
     print_line(fmt::format("microphone {}", i + 1).c_str(),
                level_text(m) + interval_text(m.intervals));
-    if (const std::string warning = above_modes_text(m.share_above, m.last_mode); !warning.empty())
-      print_line("  warning", warning);
+    if (const std::string warning = warning_of(m); !warning.empty()) print_line("warning", warning);
   }
   if (!sound.why_none.empty()) print_line("microphones", "none: " + printable(sound.why_none));
   return sound;
@@ -293,8 +292,14 @@ int run_scene(RunRequest& request) {
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
-  if (request.json) say_doubts(warnings_of(scene, report), common.quiet);
   const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
+  if (request.json) {
+    std::vector<std::string> warnings = warnings_of(scene, report);
+    for (const MicrophoneLevels& m : sound.microphones)
+      if (std::string warning = warning_of(m); !warning.empty())
+        warnings.push_back(std::move(warning));
+    say_doubts(warnings, common.quiet);
+  }
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
   const int status =

@@ -58,7 +58,7 @@ std::string encoding_of(const Wanted& wanted, bool bits_given) {
   return "flac-24";
 }
 
-/// By what is heard, so that no sound replaces another one of the result.
+/// By the result and by what is heard.
 std::string usual_name(const Wanted& wanted) {
   std::string name = wanted.result.stem().string();
   for (const Position& at : wanted.sound.microphones)

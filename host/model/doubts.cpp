@@ -234,11 +234,12 @@ void doubt_splines(const Model& model, Doubts& doubts) {
 }
 
 void doubt_samples(const Scene& scene, Doubts& doubts) {
-  if (scene.output.rate * scene.duration < 1 - 1e-9)
-    doubts.push_back(fmt::format(
-        "output.rate = {:g} Hz: the run ends after {:g} s, before a second sample: its file has "
-        "the state at t = 0 alone. Take {:g} Hz or more",
-        scene.output.rate, scene.duration, 1 / scene.duration));
+  if (!(scene.output.rate * scene.duration < 1 - 1e-9)) return;
+  const double least = 1 / scene.duration, unit = std::pow(10, std::floor(std::log10(least)) - 2);
+  doubts.push_back(fmt::format(
+      "output.rate = {:g} Hz: the run ends after {:g} s, before a second sample: its file has the "
+      "state at t = 0 alone. Take {:g} Hz or more",
+      scene.output.rate, scene.duration, unit * std::ceil(least / unit - 1e-8)));
 }
 
 }  // namespace

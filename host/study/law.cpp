@@ -159,8 +159,8 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers,
   }
   if (fitted.empty())
     throw RequestError(
-        "no law: it takes a key that the study varies over two positive numbers or more, and that "
-        "changes the answers");
+        "no law: it takes a key that the study varies over two positive numbers or more, that "
+        "changes the answers, and that is no seed, row or column of a face");
   return fitted;
 }
 

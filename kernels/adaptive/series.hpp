@@ -190,7 +190,7 @@ class ModalSeries {
   RA2D_FUNCTION void state(double x, Real* u, Real* v) const {
     const int order = order_;
     const Real at(x), per(1.0 / scale_);
-    constexpr int block = packs <= 3 || Lanes::on_gpu ? packs : 4;
+    constexpr int block = has_many_packs<Lanes, packs> ? 4 : packs;
     for_packs<packs, block>(lanes_, [&]<int count>(int first) {
       Real sum[count], rate[count];
       for (int i = 0; i < count; ++i) sum[i] = rate[i] = coefficient(order, first + i);
@@ -413,7 +413,7 @@ class ModalSeries {
     const double per2 = 1.0 / (scale_ * scale_);  // V^2 = (dU/dx)^2/scale^2
     double x[inner];
     for (int g = 0; g < inner; ++g) x[g] = Kokkos::fma(x1 - x0, at[g], x0);
-    constexpr int block = packs <= 3 || Lanes::on_gpu ? 1 : 2;
+    constexpr int block = has_many_packs<Lanes, packs> ? 2 : 1;
     for_packs<packs, block>(lanes_, [&]<int count>(int first) {
       Real rate[count][inner];  // dU/dx
       for (int i = 0; i < count; ++i)
@@ -489,7 +489,7 @@ class ModalSeries {
 
   /// Contacts whose sums over many packs of modes are found at once: one by itself waits for each
   /// addition.
-  static constexpr int at_once = packs > 3 && !Lanes::on_gpu ? 2 : 1;
+  static constexpr int at_once = has_many_packs<Lanes, packs> ? 2 : 1;
 
   /// The modes' terms of the orders j + 1 to j - 3, for the orders j and j + 1 of what follows from
   /// them: of few packs in registers, of many where the series stands.

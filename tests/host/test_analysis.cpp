@@ -639,13 +639,20 @@ TEST_F(Analyze, MeansAreOfRunsThatDifferByTheirFaces) {
   run("fast.h5", {"scene.speed=0.2"});
   run("sampled.h5", {"output.rate=5e4", "time.tolerance=1e-7"});
   std::filesystem::copy(folder_.path() / "a.h5", folder_.path() / "copy.h5");
-  for (const char* twin : {"a.h5", "copy.h5", "sampled.h5"})
+  for (const char* twin : {"a.h5", "copy.h5"})
     EXPECT_THAT(ra2d({"analyze", "a.h5", twin}).err,
                 testing::StartsWith(fmt::format("ra2d: a.h5 and {} are of one run: ", twin)));
+  EXPECT_THAT(ra2d({"analyze", "a.h5", "copy.h5", "a.h5"}).err,
+              testing::StartsWith("ra2d: a.h5, copy.h5 and 1 more are of one run: in the means "
+                                  "it counts 3 times"));
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "sampled.h5"}).err, "");
   EXPECT_THAT(
       ra2d({"analyze", "a.h5", "fast.h5", "--json"}).err,
       testing::StartsWith("ra2d: a.h5 and fast.h5 are of scenes that differ in more than "));
-  EXPECT_EQ(ra2d({"analyze", "a.h5", "fast.h5", "--quiet"}).err, "");
+  const test::Ended quiet = ra2d({"analyze", "a.h5", "fast.h5", "--quiet", "--json"});
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_THAT(nlohmann::json::parse(quiet.out)["doubts"][0].get<std::string>(),
+              testing::StartsWith("a.h5 and fast.h5 are of scenes"));
 }
 
 TEST_F(Analyze, WritesTables) {

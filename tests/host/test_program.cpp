@@ -918,6 +918,13 @@ TEST_F(Program, ABalanceOfOneSampleIsNotKnown) {
   EXPECT_THAT(out_, HasSubstr("not known: fewer than two samples"));
   EXPECT_THAT(err_, HasSubstr("output.rate = 10 Hz: the run ends after 0.02 s, before a second "
                               "sample: its file has the state at t = 0 alone. Take 50 Hz or more"));
+  const auto plan = [&](const std::string& rate) {
+    run({"plan", scene_file("drop"), "--set", "scene.duration=0.03", "--set",
+         "output.rate=" + rate});
+    return err_;
+  };
+  EXPECT_THAT(plan("33.3"), HasSubstr("Take 33.4 Hz or more"));
+  EXPECT_THAT(plan("33.4"), testing::Not(HasSubstr("second sample")));
 }
 
 TEST_F(Program, FacesThatOverlapAtRestAreSaid) {

@@ -445,8 +445,8 @@ TEST(Resistance, DoesNotDependOnItsPanels) {
   }
 }
 
-/// Tables for records at 1 MHz take a second, where their cost grew with the cube of the rate and
-/// was minutes; they hold the resistances of the audible band as smaller ones do.
+/// The tables across are interpolated from transforms at a few wave numbers: those for records at
+/// 1 MHz hold the resistances of the audible band as smaller ones do.
 TEST(Resistance, DoesNotDependOnTheHighestFrequency) {
   const Radiator plate = supported_plate(0.3, 0.2, {{1, 1}, {2, 3}, {5, 2}});
   const RadiationResistance low(plate, air, 20e3), high(plate, air, 500e3);

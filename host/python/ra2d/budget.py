@@ -417,9 +417,10 @@ def _of_runs(runs: pd.DataFrame, cases: Mapping[str, tuple[str, dict[str, Any]]]
                  for case, shift in shifts.items()}
         table[name] = pd.Series({CHANCE: percent * half_interval(finite_base), **moved},
                                 dtype=float)
-        table[f"{name}_chance"] = pd.Series({case: percent * half_interval(shift)
-                                             for case, shift in shifts.items()},
-                                            dtype=float)
+        # what moves no realisation at all has no effect, and no chance in it
+        table[f"{name}_chance"] = pd.Series(
+            {case: 0.0 if shift.size and not shift.any() else percent * half_interval(shift)
+             for case, shift in shifts.items()}, dtype=float)
         if not finite_base.size:
             found[name] = Estimate(math.nan, unit=unit, note=f"no run has a {words}")
             continue

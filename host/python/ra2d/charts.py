@@ -21,7 +21,7 @@ def picture(chart: str, tables: Sequence[str | os.PathLike[str]]) -> Picture:
     except OSError as fault:
         raise FileError(f"cannot read '{fault.filename}': {fault.strerror}") from fault
     except (KeyError, ValueError, IndexError, TypeError) as fault:
-        value = re.search(r"'.*'", str(fault))  # a column that is missing, or no number
+        value = None if isinstance(fault, UnicodeError) else re.search(r"'.*'", str(fault))
         what = f" ({'no ' if isinstance(fault, KeyError) else ''}{value[0]})" if value else ""
         raise FileError(f"a table of the chart is not what 'ra2d chart' writes{what}: make the "
                         "chart again") from fault

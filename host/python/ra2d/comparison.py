@@ -360,7 +360,7 @@ def _why_untested(whole: Mapping[str, Any]) -> str:
         return str(whole["no_interval"] or "")
     if whole["v_rms"] is None:
         return "nothing was counted"
-    return "its resonator does not vibrate, and nothing else says how long the motion remembers"
+    return "its resonator does not vibrate, whose damping tells how long parts depend on each other"
 
 
 def _test_of_runs(a: _Run, b: _Run, of: Callable[[_Run], tuple[float, Values]],
@@ -678,23 +678,38 @@ def _cut_short(name: str, side: Any) -> list[str]:
             and not one.complete]
 
 
-def _origin(result: Result) -> tuple[Any, ...]:
-    """Equal for a result and its copy."""
-    named = [result.attrs.get(name) for name in ("key", "started", "wall_seconds")]
-    return (*named,) if all(named) else (result.path.resolve(),)
+def _key(result: Result) -> str:
+    """Equal for results of one run."""
+    return str(result.attrs.get("key") or result.path.resolve())
+
+
+def _results(side: Any) -> list[Result]:
+    return side if isinstance(side, list) else [side] if isinstance(side, Result) else []
 
 
 def _one_run(name: str, side: Any) -> list[str]:
     """Of results that stand for the same run."""
     seen: dict[str, Result] = {}
     notes = []
-    for one in side if isinstance(side, list) else []:
-        key = str(one.attrs.get("key") or one.path.resolve())
-        if key in seen:
-            notes.append(f"{name}: {seen[key].path.name} and {one.path.name} are one run, which "
-                         "counts twice: chance looks smaller than it is.")
-        seen.setdefault(key, one)
+    for one in _results(side):
+        if _key(one) in seen:
+            notes.append(f"{name}: {seen[_key(one)].path.name} and {one.path.name} are one run, "
+                         "which counts twice: chance looks smaller than it is.")
+        seen.setdefault(_key(one), one)
     return notes
+
+
+def _on_both_sides(one: Any, other: Any) -> list[str]:
+    """Of what is compared with itself."""
+    if isinstance(one, Study) and one.folder.resolve() == other.folder.resolve():
+        shared = "A and B are one study"
+    elif isinstance(one, Result) and isinstance(other, Result) and _key(one) == _key(other):
+        shared = "A and B are one run"
+    elif common := {_key(run) for run in _results(one)} & {_key(run) for run in _results(other)}:
+        shared = f"{len(common)} of the runs are on both sides"
+    else:
+        return []
+    return [shared + ": that they agree says nothing about chance."]
 
 
 def _answers(one: Any, other: Any) -> tuple[pd.DataFrame, pd.DataFrame, str, list[str]]:
@@ -743,6 +758,5 @@ def compare(a: Source, b: Source) -> Comparison:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", Notice)  # of runs that were cut short: the notes have it
         answers, bands, test, more = _answers(one, other)
-    if isinstance(one, Result) and _origin(one) == _origin(other):
-        notes.append("A and B are one run: that they agree says nothing about chance.")
-    return Comparison(names, table, answers, bands, test, notes + more)
+    return Comparison(names, table, answers, bands, test,
+                      notes + _on_both_sides(one, other) + more)

@@ -161,6 +161,8 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
                       "stands "
                       f"{tone['rise']:.0f} dB above its surroundings: linear faces make it, smooth "
                       "ones do not.")
+    doubts += [f"Microphone {i}: {one['warning']}."
+               for i, one in enumerate(found.get("microphones", []), 1) if one["warning"]]
     return doubts
 
 
@@ -328,17 +330,17 @@ def _comparison(results: Sequence[Result]) -> list[tuple[str, bool, list[Markup]
     return rows
 
 
-def _means(results: Sequence[Result]) -> list[list[Markup]]:
-    """Figure, mean, interval and deviation, by the program."""
-    rows = []
-    for key, found in program.ask("analyze", *(result.path for result in results))["mean"].items():
+def _means(results: Sequence[Result]) -> tuple[list[list[Markup]], list[str]]:
+    """Figure, mean, interval and deviation, by the program; doubts of them."""
+    answer, rows = program.ask("analyze", *(result.path for result in results)), []
+    for key, found in answer["mean"].items():
         name, one = MEANS.get(key, (key, 1))
         mean, low, high, deviation = (None if found[part] is None else found[part] / one
                                       for part in ("mean", "low", "high", "deviation"))
         rows.append([html("{}", name), number(mean, 5),
                      html("{} to {}", number(low, 5), number(high, 5)),
                      number(deviation, 2)])
-    return rows
+    return rows, answer["doubts"]
 
 
 def results_text(results: Sequence[Result], command: str = "") -> str:
@@ -351,10 +353,11 @@ def results_text(results: Sequence[Result], command: str = "") -> str:
         sheet, many = page_svg.Sheet(), len(results) > 1
         sections = [_section(result, sheet, sounds)
                     for result, sounds in zip(results, _clips(results))]
+        means, doubts = _means(results) if many else ([], [])
         return _page(f"Roughness noise: {len(results)} results" if many else sections[0]["title"],
                      command, sheet,
                      results=sections, comparison=_comparison(results) if many else [],
-                     means=_means(results) if many else [], study=None)
+                     means=means, doubts=doubts, study=None)
 
 
 def of_results(results: Sequence[Result], path: pathlib.Path, command: str = "") -> pathlib.Path:
@@ -491,7 +494,7 @@ def study_text(study: Study, command: str = "") -> str:
             f"{_origin(a)}")
     heads, rows, count = _rows(study)
     return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[],
-                 means=[], study={
+                 means=[], doubts=[], study={
         "lead": lead, "failures": _failures(study), "law": _law(law) if law else None,
         "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
         "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows,

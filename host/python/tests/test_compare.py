@@ -235,7 +235,7 @@ def test_each_reason_is_of_its_quantity(base, folder, result):
     rigid = ra2d.run(base, {"resonator.support": "rigid"}, duration=0.3,
                      output=folder / "rigid-again.h5", show=False)
     why = ra2d.compare(rigid, rigid).answers.why
-    assert why["rate of shocks"].startswith("A: its resonator does not vibrate")
+    assert why["rate of shocks"].startswith("A: its resonator does not vibrate, whose")
     lossless = dataclasses.replace(comparison._FIGURES[0], of=lambda found: -1.0)
     _, _, _, why = comparison._test_of_runs(
         comparison._Run(result), comparison._Run(result),
@@ -253,7 +253,8 @@ def test_one_run_twice_is_told(result, folder):
     assert ra2d.compare(result, copy).notes == [
         "A and B are one run: that they agree says nothing about chance."]
     notes = ra2d.compare([result, ra2d.load(copy)], [result, result]).notes
-    assert [note[:2] for note in notes] == ["A:", "B:"] and "same-run.h5 are one run" in notes[0]
+    assert [note[:2] for note in notes] == ["A:", "B:", "1 "] and "run.h5 are one run" in notes[0]
+    assert notes[2].startswith("1 of the runs are on both sides: ")
 
 
 def test_values_that_do_not_scatter_show_no_chance():

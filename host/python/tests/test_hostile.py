@@ -75,6 +75,9 @@ def test_tables_of_charts_that_are_others(tmp_path, chart, tables):
     words = r"is not what 'ra2d chart' writes( \(no '\w+'\))?: make the chart again$"
     with pytest.raises(ra2d.FileError, match=words):
         charts.picture(chart, [table] * tables)
+    table.write_bytes(b"\xff\xfe\x80abc")
+    with pytest.raises(ra2d.FileError, match="what 'ra2d chart' writes: make the chart again$"):
+        charts.picture(chart, [table] * tables)
 
 
 def test_options_are_told_in_python(base, small):

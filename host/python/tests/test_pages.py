@@ -347,7 +347,9 @@ def test_several_results_stand_side_by_side(short, result):
 
 def test_several_results_from_python(short, folder, undrawn):
     made = ra2d.report([short[0], short[0]], folder / "both.html")
-    assert read(made).count("<section ") == 2
+    text = read(made)
+    assert text.count("<section ") == 2
+    assert " are of one run: in the means it counts 2 times" in text.split(">Means</h2>")[1]
     with pytest.raises(ra2d.RequestError, match="one or more results"):
         ra2d.report(["a.h5"], folder / "none.html")
 

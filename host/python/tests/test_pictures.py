@@ -183,7 +183,16 @@ def test_a_short_run_has_a_level_without_weighting(base, folder):
     assert plots.microphone_words(found).endswith(" dB")
     assert short.plot("bands").drawn("png", 30)
     text = short.report(folder / "short-sound.html").read_text("utf-8")
-    assert "dB(A) not known: the stretch is too short: the third" in text
+    assert "dB(A) not known: the stretch is too short: the third octave of" in text
+
+
+def test_a_level_from_above_the_last_mode_is_told_everywhere(base, folder):
+    changes = {"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.5}],
+               "resonator.max_frequency": 2e3}
+    with pytest.warns(ra2d.Notice, match="% of the A-weighted power lies above the last mode"):
+        few = ra2d.run(base, changes, duration=0.05, output=folder / "few-modes.h5", show=False)
+    assert few.analysis()["microphones"][0]["share_above_last_mode"] > 0.2
+    assert "Microphone 1: " in few.report(folder / "few-modes.html").read_text("utf-8")
 
 
 def test_several_results_at_a_microphone(result, folder):
