@@ -155,7 +155,7 @@ VelocityRecord velocity_record(const ResultReader& reader) {
 
 std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator& resonator,
                              const Stretch& stretch, const std::filesystem::path& file,
-                             const SoundRequest& request) {
+                             const SoundRequest& request, Silence silence) {
   const ResultContents& contents = reader.contents();
   std::vector<HeardSound> heard;
   for (const Position& at : request.microphones) {
@@ -175,14 +175,15 @@ std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator
   for (std::size_t i = 0; i < heard.size(); ++i) {
     HeardSound& sound = heard[i];
     const PressureFilters::Range carried = filters.carried(i, record);
-    ranges.push_back({std::max(carried.begin, stretch.first),
-                      std::min(carried.end, stretch.first + stretch.count)});
-    const PressureFilters::Range& range = ranges.back();
     const double arrives = sound.distances.least / resonator.air.sound_speed;
     const auto silent = contents.start == 0
                             ? static_cast<std::size_t>(std::ceil(arrives * contents.rate))
                             : std::size_t{0};
-    if (range.count() < 2 || range.end <= silent)
+    const std::size_t begin = std::max(carried.begin, stretch.first);
+    ranges.push_back({silence == Silence::left_out ? std::max(begin, silent) : begin,
+                      std::min(carried.end, stretch.first + stretch.count)});
+    const PressureFilters::Range& range = ranges.back();
+    if (range.end < range.begin + 2 || range.end <= silent)
       throw RequestError(fmt::format(
           "{}: at {} there is nothing to hear from {:g} s to {:g} s: the sound takes {:.4g} s to "
           "{:.4g} s to come there, and the record's last {:.2g} s are needed to filter it. Take a "

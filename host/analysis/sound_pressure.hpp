@@ -61,11 +61,15 @@ struct HeardSound {
   std::vector<double> pressure;  // Pa
 };
 
+/// Whether the silence before the sound of a run comes to a microphone is heard, too. In a level it
+/// would count as noise that is not there.
+enum class Silence { heard, left_out };
+
 /// At each microphone of the request, what of the stretch the record carries. Throws RequestError
 /// where a microphone cannot stand, or nothing of it is heard.
 std::vector<HeardSound> hear(const ResultReader& reader, const SoundingResonator& resonator,
                              const Stretch& stretch, const std::filesystem::path& file,
-                             const SoundRequest& request);
+                             const SoundRequest& request, Silence silence = Silence::left_out);
 
 /// The level of a sound pressure [dB re 20 uPa].
 double pressure_level(double rms);

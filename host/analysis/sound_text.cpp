@@ -68,12 +68,9 @@ std::string microphone_text(const Analysis& a, std::size_t number) {
       sound_line(fmt::format("microphone {}", number + 1),
                  m.rms > 0 ? level_text(m) + interval_text(m.intervals) : level_text(m));
   text += sound_line(
-      "", fmt::format("{}peak {:.4g} Pa; {:.6g} s to {:.6g} s, {}",
+      "", fmt::format("{}peak {:.4g} Pa; {:.6g} s to {:.6g} s, {:.3g} ms or more after the motion",
                       m.position[2] < 0 ? "below the plate; " : "", m.peak, m.from, m.to,
-                      m.from < m.arrives
-                          ? fmt::format("silent until the sound arrives, at {:.3g} ms or later",
-                                        1e3 * m.arrives)
-                          : fmt::format("which began {:.3g} ms earlier or more", 1e3 * m.arrives)));
+                      1e3 * m.arrives));
   return text + warning_line(warning_of(m)) + history_text(m.history) +
          band_rows(a, m.number, m.level, "20 uPa");
 }

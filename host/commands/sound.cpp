@@ -96,7 +96,8 @@ nlohmann::ordered_json write_pressure(const Wanted& wanted, PartialFile& file) {
   const SoundRequest request = scene ? wanted.sound.completed(*scene) : wanted.sound;
   const SoundingResonator resonator = sounding_resonator(reader, scene, wanted.result, request);
   const Stretch stretch = choose_stretch(contents, scene, wanted.result, wanted.from, wanted.to);
-  std::vector<HeardSound> heard = hear(reader, resonator, stretch, wanted.result, request);
+  std::vector<HeardSound> heard =
+      hear(reader, resonator, stretch, wanted.result, request, Silence::heard);
   // both channels play the same time
   std::size_t first = 0, beyond = std::numeric_limits<std::size_t>::max();
   for (const HeardSound& sound : heard) {

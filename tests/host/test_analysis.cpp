@@ -651,8 +651,7 @@ TEST_F(Analyze, MeansAreOfRunsThatDifferByTheirFaces) {
       testing::StartsWith("ra2d: a.h5 and fast.h5 are of scenes that differ in more than "));
   const test::Ended quiet = ra2d({"analyze", "a.h5", "fast.h5", "--quiet", "--json"});
   EXPECT_EQ(quiet.err, "");
-  EXPECT_THAT(nlohmann::json::parse(quiet.out)["doubts"][0].get<std::string>(),
-              testing::StartsWith("a.h5 and fast.h5 are of scenes"));
+  EXPECT_THAT(quiet.out, HasSubstr(R"("doubts":["a.h5 and fast.h5 are of scenes that)"));
 }
 
 TEST_F(Analyze, WritesTables) {

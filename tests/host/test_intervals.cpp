@@ -133,7 +133,7 @@ TEST(IntervalsOfRun, OfPartsWithoutMemoryIsStudentsOfTen) {
   const double half = 2.2621571628 * std::sqrt(10.0 / 9) / std::sqrt(10.0) / 2;
   EXPECT_NEAR(found.level.high - 90, 10 * std::log10(std::numbers::e) * half, 1e-8);
   EXPECT_NEAR(90 - found.level.low, 10 * std::log10(std::numbers::e) * half, 1e-8);
-  EXPECT_DOUBLE_EQ(found.shock_rate.low, 100);
+  EXPECT_TRUE(std::isnan(found.shock_rate.low)) << "equal parts show no chance";
   EXPECT_EQ(found.why_none, "");
 }
 

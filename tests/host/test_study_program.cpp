@@ -439,8 +439,8 @@ TEST_F(StudyProgram, KeepsWhatItIsAskedToKeep) {
 /// Each run's sound is that of its result, which need not stay.
 TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
   const std::string set =
-      "[set]\n\"output.microphones\" = [{ x = 0.1, y = 0.05, z = 0.2 }, { x = 0, y = 0, z = -0.3 "
-      "}]\n";
+      "[set]\n\"scene.duration\" = 4e-3\n\"output.microphones\" = [{ x = 0.1, y = 0.05, z = 0.2 }, "
+      "{ x = 0, y = 0, z = -0.3 }]\n";
   write_study(2, set);
   ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
   EXPECT_TRUE(read_study_table(folder_ / "out/results.h5").lp_a.empty());
@@ -452,10 +452,11 @@ TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
   EXPECT_THAT(out_, HasSubstr("all 8 runs are finished already"));
   const StudyAnswers answers = read_study_table(folder_ / "out/results.h5");
   ASSERT_EQ(answers.lp_a.size(), 8u);
-  ASSERT_EQ(Child(folder_, {test::program(), "run", "base.toml", "--set", "scene.speed=0.2",
-                            "--set", "slider.load=0.5", "-o", "alone.h5"})
-                .wait(),
-            0);
+  ASSERT_EQ(
+      Child(folder_, {test::program(), "run", "base.toml", "--set", "scene.speed=0.2", "--set",
+                      "slider.load=0.5", "--set", "scene.duration=4e-3", "-o", "alone.h5"})
+          .wait(),
+      0);
   AnalysisOptions options;
   options.sound.power = true;
   options.sound.microphones = {{0.1, 0.05, 0.2}, {0, 0, -0.3}};
