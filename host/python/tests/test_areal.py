@@ -230,4 +230,5 @@ def test_a_surrogate_has_the_spectrum_of_its_map_without_edges():
 
 def test_maps_are_other_faces_than_profiles(areal, result):
     assert "faces differ" in ra2d.compare(areal, result).notes[0]
-    assert ra2d.compare(areal, areal).notes == []
+    notes = ra2d.compare(areal, areal).notes
+    assert len(notes) == 1 and "one run" in notes[0]
