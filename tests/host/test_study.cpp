@@ -151,8 +151,24 @@ TEST(StudyFile, NamesOfColumnsAreTaken) {
     return parse_study(fmt::format(fmt::runtime(vary), keep, name), "s.toml");
   };
   EXPECT_EQ(study("", "lp").dimensions.size(), 1u);
-  EXPECT_THROW(study("", "v_rms"), RequestError);
-  EXPECT_THROW(study("keep = [\"sound\"]", "lp"), RequestError);
+  EXPECT_EQ(study("", "level_of_noise").dimensions.size(), 1u);
+  for (const char* name : {"v_rms", "runs", "lv", "level_low", "level_mean_dB"})
+    EXPECT_THROW(study("", name), RequestError) << name;
+  for (const char* name : {"lp", "lwa_high_dB"})
+    EXPECT_THROW(study("keep = [\"sound\"]", name), RequestError) << name;
+}
+
+/// HDF5 would cut it there.
+TEST(StudyFile, ATextWithTheEndOfTextsIsRefused) {
+  const std::string vary =
+      "base = \"b.toml\"\n[vary]\nf = {{ key = \"slider.surface.path\", values = [{}] }}\n";
+  for (const char* values : {R"("a\u0000b")", R"("a", "\u0000")", R"(["b", "a\u0000"])"})
+    EXPECT_THAT(refusal_of([&] { parse_study(fmt::format(fmt::runtime(vary), values), "s.toml"); }),
+                HasSubstr("s.toml:3: vary.f.values: \""))
+        << values;
+  EXPECT_THAT(
+      refusal_of([&] { parse_study(fmt::format(fmt::runtime(vary), R"("a\u0000b")"), "s.toml"); }),
+      HasSubstr("1 fault\ns.toml:3: vary.f.values: \"a\\u0000b\" holds U+0000"));
 }
 
 TEST(StudyFile, AnEmptyBaseIsRefused) {
