@@ -534,8 +534,17 @@ TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
   write_study_table(folder / "results.h5", points, PointCensus(points), finished);
   EXPECT_EQ(check(), 4);
   EXPECT_THAT(err_, HasSubstr("and the ledgers differ in the run"));
-  // runs that are still to come are no damage
+  // results of an earlier version of the study
   put_back();
+  write_study(1, "keep = [\"level\", \"files\"]\n[set]\n\"scene.gap\" = 2e-4");
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
+  EXPECT_EQ(check(), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("also of 4 results, and of 4 results of earlier versions"));
+  flip(kept, result.size() / 2);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr(kept.filename().string()));
+  std::ofstream(kept, std::ios::binary) << result;
+  // runs that are still to come are no damage
   write_study(2, "keep = [\"level\", \"files\"]");
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--shard", "1/4"}), 0) << err_;
   EXPECT_EQ(check(), 0) << err_;
