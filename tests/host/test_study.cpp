@@ -1021,7 +1021,7 @@ TEST(StudyLaw, SaysWhyThereIsNone) {
       refusal_of([&] {
         fit_law(answers_of(two_axes, [](const std::vector<double>&) { return std::nan(""); }));
       }),
-      HasSubstr("the 0 runs with a v_rms"));
+      HasSubstr("the 0 runs with a v_rms above 0 do not"));
   // speed varies with rq alone
   EXPECT_THAT(refusal_of([&] {
                 fit_law(answers_of(two_axes, [](const std::vector<double>& x) {
@@ -1044,6 +1044,14 @@ TEST(StudyLaw, MeansAreOverTheSeeds) {
   EXPECT_EQ(means[4].v_rms.count, 3u);
   EXPECT_NEAR(means[4].v_rms.deviation, 1, 1e-15);
   EXPECT_EQ(means[5].v_rms.mean, 7.0);
+}
+
+TEST(StudyLaw, OfRunsAtRestTheLevelIsInfinite) {
+  const StudyAnswers answers = answers_of(
+      two_axes, [](const std::vector<double>& x) { return x[0] > 0.02 ? x[0] * x[1] : 0.0; });
+  const std::string text = describe_study(answers, "out", 1);
+  EXPECT_THAT(text, HasSubstr("    3     0.000e+00       -inf\n"));
+  EXPECT_THAT(text, HasSubstr("without a v_rms above 0 left out"));
 }
 
 }  // namespace
