@@ -31,6 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double least_rate = 8e3, most_rate = 384e3, most_slow = 1e4;
+constexpr int most_flac_rate = 65'535, flac_rate_step = 10;  // Hz; above the one multiples alone
 
 struct Wanted {
   fs::path result, output;
@@ -55,6 +56,11 @@ std::string encoding_of(const Wanted& wanted, bool bits_given) {
         fmt::format("'{}': expected a name that ends in .wav or .flac", wanted.output.string()));
   if (bits_given && wanted.bits != "24")
     throw RequestError(fmt::format("--bits {}: a FLAC has 24 bits", wanted.bits));
+  if (wanted.rate > most_flac_rate && wanted.rate % flac_rate_step != 0)
+    throw RequestError(
+        fmt::format("--rate {}: above {} Hz a FLAC has multiples of {} Hz alone: take {}, or a WAV",
+                    wanted.rate, most_flac_rate, flac_rate_step,
+                    (wanted.rate + flac_rate_step / 2) / flac_rate_step * flac_rate_step));
   return "flac-24";
 }
 

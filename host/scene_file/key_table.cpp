@@ -124,7 +124,7 @@ Value<SurfaceSpec> profile_path() {
     surface.path = *path;
     if (surface.kind != SurfaceKind::file) return;
     if (path->empty()) in.fault(key, "empty: expected the path of a profile");
-    if (path->find('\0') != std::string::npos || path->size() >= longest_path)
+    if (path->size() >= longest_path)
       in.fault(key, toml_string(shortened(*path)) +
                         " cannot be the name of a file: expected the path of a profile");
   };

@@ -222,6 +222,20 @@ struct Document::Parts {
     fault(node, path, fmt::format("{} is not allowed: expected {}", shown(node), expected));
   }
 
+  /// Whether a text at or in the node has the character at which files and names of files would
+  /// cut it; says so.
+  bool holds_nul(const toml::node& node, const std::string& path) {
+    if (const auto* array = node.as_array())
+      return std::any_of(array->begin(), array->end(),
+                         [&](const toml::node& element) { return holds_nul(element, path); });
+    const auto* text = node.as_string();
+    if (text == nullptr || text->get().find('\0') == std::string::npos) return false;
+    fault(node, path,
+          fmt::format("{} holds U+0000, which ends a text in results: expected a text without it",
+                      shown(node)));
+    return true;
+  }
+
   /// A number as it stands, in `unit`, or a text with a number and its unit.
   double number(const toml::node& node, const std::string& path, const Range& range,
                 const std::string& unit, const std::string& expected) {
@@ -521,8 +535,10 @@ std::optional<std::string> Reader::text(const std::string& key, const std::strin
   auto& parts = *document_->parts_;
   const toml::node* node = parts.take(index_, key, need, what);
   if (node == nullptr) return std::nullopt;
+  const std::string path = join(parts.seen[index_].path, key);
+  if (parts.holds_nul(*node, path)) return std::nullopt;
   if (const auto* text = node->as_string()) return text->get();
-  parts.wrong(*node, join(parts.seen[index_].path, key), what);
+  parts.wrong(*node, path, what);
   return std::nullopt;
 }
 
@@ -645,8 +661,10 @@ bool Reader::is_section(const std::string& key) const {
 
 std::optional<TomlValue> Reader::value(const std::string& key, const std::string& expected,
                                        Need need) {
-  const toml::node* node = document_->parts_->take(index_, key, need, expected);
-  if (node == nullptr) return std::nullopt;
+  auto& parts = *document_->parts_;
+  const toml::node* node = parts.take(index_, key, need, expected);
+  if (node == nullptr || parts.holds_nul(*node, join(parts.seen[index_].path, key)))
+    return std::nullopt;
   return value_of(*node);
 }
 

@@ -187,6 +187,11 @@ void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector
 
 }  // namespace
 
+std::string needed_for(const LawQuantity& of) {
+  return of.levels == nullptr ? fmt::format("a {} above 0", of.name)
+                              : fmt::format("a finite {}", of.name);
+}
+
 std::vector<LawQuantity> sounds_of(const StudyAnswers& answers) {
   std::vector<LawQuantity> found;
   for (const LawQuantity& sound : sounds)
@@ -214,8 +219,8 @@ StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
   const LeastSquares decomposed(x);
   if (rows < terms || decomposed.rank() < terms)
     throw RequestError(fmt::format(
-        "no law yet: the {} runs with {} {} do not vary all of the dimensions by themselves",
-        runs.size(), of.levels == nullptr ? "a" : "an", of.name));
+        "no law yet: the {} runs with {} do not vary all of the dimensions by themselves",
+        runs.size(), needed_for(of)));
   const Eigen::VectorXd solution = decomposed.solve(y);
   const Eigen::VectorXd deviations = y - x * solution;
   const double residual = deviations.squaredNorm();

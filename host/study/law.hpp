@@ -51,6 +51,8 @@ inline constexpr LawQuantity sounds[] = {
     {"lw", "Lw", "1 pW", 1e-6, &StudyAnswers::lw},
     {"lwa", "LwA", "1 pW, A-weighted", 1e-6, &StudyAnswers::lw_a},
 };
+/// A run counts for the law if it has this: "a v_rms above 0".
+std::string needed_for(const LawQuantity& of);
 /// Those of sound that the table has.
 std::vector<LawQuantity> sounds_of(const StudyAnswers& answers);
 

@@ -47,8 +47,7 @@ std::string law_text(const StudyLaw& law) {
   if (!std::isnan(law.deviation))
     text += fmt::format(", {:.2f} dB from the law to a run", law.deviation);
   if (law.left_out > 0)
-    text += fmt::format("; {} without {} {} left out", law.left_out,
-                        law.of.levels == nullptr ? "a" : "an", law.of.name);
+    text += fmt::format("; {} without {} left out", law.left_out, needed_for(law.of));
   text += '\n';
   text += law.seeds > 1 ? fmt::format(
                               "    intervals by the {} seeds: runs of one seed share their "
@@ -146,7 +145,8 @@ std::string means_text(const StudyAnswers& answers, std::size_t most_rows) {
     row += fmt::format("{:>5}", mean.runs);
     if (mean.v_rms.count > 0)
       row += fmt::format(
-          " {:>13.3e} {:>10.2f}  {:<18}", mean.v_rms.mean, mean.level.mean,
+          " {:>13.3e} {:>10.2f}  {:<18}", mean.v_rms.mean,
+          mean.level.count > 0 ? mean.level.mean : level(0),
           interval(mean.level, fmt::format("{:.2f} to {:.2f}", mean.level.low, mean.level.high)));
     if (mean.shock_rate.count > 0)
       row += fmt::format("  {:>12}  {}", rate_number(mean.shock_rate.mean),

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <system_error>
 
 #include "host/base/errors.hpp"
 #include "host/run/checked_checkpoint.hpp"
@@ -85,6 +87,21 @@ void check_kept(const StudyFolder& folder, const FinishedRun& run,
                                  run.figures.v_rms));
 }
 
+/// Results of runs of earlier versions of the study; how many there are.
+std::size_t check_earlier(const StudyFolder& folder, const std::set<std::filesystem::path>& kept,
+                          std::vector<std::string>& faults) {
+  std::set<std::filesystem::path> files;
+  std::error_code none;  // no such folder: no such files
+  for (std::filesystem::directory_iterator entry(folder.results(), none), end;
+       !none && entry != end; entry.increment(none))
+    if (entry->path().extension() == ".h5" && !kept.contains(entry->path()))
+      files.insert(entry->path());
+  for (const std::filesystem::path& file : files)
+    for (const std::string& fault : check_result(file).faults)
+      faults.push_back(fmt::format("'{}': {}", file.string(), fault));
+  return files.size();
+}
+
 /// Checkpoints of runs on their way; how many there are.
 std::size_t check_checkpoints(const StudyFolder& folder, std::vector<std::string>& faults) {
   const std::vector<std::filesystem::path> files = study_checkpoints(folder);
@@ -104,19 +121,23 @@ CheckedStudy check_study(const StudyFolder& folder) {
     FinishedRuns finished;
     finished.add(folder);
     const std::vector<std::size_t> points_to_run = census.different();
-    std::size_t done = 0, failed = 0, missing = 0, kept = 0;
+    std::size_t done = 0, failed = 0, missing = 0;
+    std::set<std::filesystem::path> kept;
     for (const std::size_t point : points_to_run) {
       const FinishedRun* run = finished.find(census.keys[point]);
       ++(run == nullptr ? missing : run->status == RunStatus::done ? done : failed);
       if (!points.study().keep_files || run == nullptr || run->status == RunStatus::refused)
         continue;
       check_kept(folder, *run, found.faults);
-      ++kept;
+      kept.insert(folder.path / StudyFolder::result(key_text(run->run)));
     }
     found.what =
         fmt::format("a study of {} runs: {} done, {} failed, {} not run yet; all hashes agree",
                     points_to_run.size(), done, failed, missing);
-    if (kept > 0) found.what += fmt::format(", also of {} results", kept);
+    if (!kept.empty()) found.what += fmt::format(", also of {} results", kept.size());
+    if (const std::size_t count = check_earlier(folder, kept, found.faults); count > 0)
+      found.what += fmt::format(", and of {} result{} of earlier versions of the study", count,
+                                count == 1 ? "" : "s");
     if (missing == points_to_run.size() && !finished.runs.empty())
       found.what +=
           fmt::format("; the ledgers hold {} finished runs of another version or build of ra2d",

@@ -26,8 +26,10 @@ constexpr std::size_t longest_name = 60;
 constexpr std::size_t most_dimensions = 30;  // of the 32 that HDF5 knows; one is the seeds'
 constexpr int snapshot_format = 1;
 
-/// Names that the table has for itself.
+/// Names that the table and its means over the seeds have for themselves.
 const std::vector<std::string> taken = {"seed",
+                                        "runs",
+                                        "lv",
                                         "v_rms",
                                         "level",
                                         "shock_rate",
@@ -43,9 +45,15 @@ const std::vector<std::string> taken = {"seed",
 /// And where it holds the runs' sound.
 const std::vector<std::string> taken_by_sound = {"lp", "lpa", "lw", "lwa"};
 
+/// Whether it is one of the names, or a column of the means of one: "level_low", "level_mean_dB".
 bool is_taken(const std::string& name, const Study& study) {
   const auto holds = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::any_of(names.begin(), names.end(), [&](const std::string& own) {
+      if (name == own) return true;
+      for (const char* figure : {"_mean", "_deviation", "_low", "_high"})
+        if (name == own + figure || name.starts_with(own + figure + "_")) return true;
+      return false;
+    });
   };
   return holds(taken) || (study.keep_sound && holds(taken_by_sound));
 }

@@ -686,7 +686,10 @@ const std::vector<Refused> refused_scenes{
      {"s.toml:3: a key of more than 16 parts"}},
     {"PathOfNoFile",
      {{gaussian, "surface = { kind = \"file\", path = \"a\\u0000b\" }"}},
-     {"s.toml:15: resonator.surface.path: \"a\\u0000b\" cannot be the name of a file"}},
+     {"s.toml:15: resonator.surface.path: \"a\\u0000b\" holds U+0000"}},
+    {"NameThatHdf5Cuts",
+     {{"speed = 0.5", "speed = 0.5\nname = \"a\\u0000b\""}},
+     {"scene.name: \"a\\u0000b\" holds U+0000"}},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, SceneRefuses, testing::ValuesIn(refused_scenes),

@@ -151,8 +151,24 @@ TEST(StudyFile, NamesOfColumnsAreTaken) {
     return parse_study(fmt::format(fmt::runtime(vary), keep, name), "s.toml");
   };
   EXPECT_EQ(study("", "lp").dimensions.size(), 1u);
-  EXPECT_THROW(study("", "v_rms"), RequestError);
-  EXPECT_THROW(study("keep = [\"sound\"]", "lp"), RequestError);
+  EXPECT_EQ(study("", "level_of_noise").dimensions.size(), 1u);
+  for (const char* name : {"v_rms", "runs", "lv", "level_low", "level_mean_dB"})
+    EXPECT_THROW(study("", name), RequestError) << name;
+  for (const char* name : {"lp", "lwa_high_dB"})
+    EXPECT_THROW(study("keep = [\"sound\"]", name), RequestError) << name;
+}
+
+/// HDF5 would cut it there.
+TEST(StudyFile, ATextWithTheEndOfTextsIsRefused) {
+  const std::string vary =
+      "base = \"b.toml\"\n[vary]\nf = {{ key = \"slider.surface.path\", values = [{}] }}\n";
+  for (const char* values : {R"("a\u0000b")", R"("a", "\u0000")", R"(["b", "a\u0000"])"})
+    EXPECT_THAT(refusal_of([&] { parse_study(fmt::format(fmt::runtime(vary), values), "s.toml"); }),
+                HasSubstr("s.toml:3: vary.f.values: \""))
+        << values;
+  EXPECT_THAT(
+      refusal_of([&] { parse_study(fmt::format(fmt::runtime(vary), R"("a\u0000b")"), "s.toml"); }),
+      HasSubstr("1 fault\ns.toml:3: vary.f.values: \"a\\u0000b\" holds U+0000"));
 }
 
 TEST(StudyFile, AnEmptyBaseIsRefused) {
@@ -1005,7 +1021,7 @@ TEST(StudyLaw, SaysWhyThereIsNone) {
       refusal_of([&] {
         fit_law(answers_of(two_axes, [](const std::vector<double>&) { return std::nan(""); }));
       }),
-      HasSubstr("the 0 runs with a v_rms"));
+      HasSubstr("the 0 runs with a v_rms above 0 do not"));
   // speed varies with rq alone
   EXPECT_THAT(refusal_of([&] {
                 fit_law(answers_of(two_axes, [](const std::vector<double>& x) {
@@ -1028,6 +1044,14 @@ TEST(StudyLaw, MeansAreOverTheSeeds) {
   EXPECT_EQ(means[4].v_rms.count, 3u);
   EXPECT_NEAR(means[4].v_rms.deviation, 1, 1e-15);
   EXPECT_EQ(means[5].v_rms.mean, 7.0);
+}
+
+TEST(StudyLaw, OfRunsAtRestTheLevelIsInfinite) {
+  const StudyAnswers answers = answers_of(
+      two_axes, [](const std::vector<double>& x) { return x[0] > 0.02 ? x[0] * x[1] : 0.0; });
+  const std::string text = describe_study(answers, "out", 1);
+  EXPECT_THAT(text, HasSubstr("    3     0.000e+00       -inf\n"));
+  EXPECT_THAT(text, HasSubstr("without a v_rms above 0 left out"));
 }
 
 }  // namespace

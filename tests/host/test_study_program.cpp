@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hdf5.h>
 #include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +17,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "host/analysis/analysis.hpp"
@@ -532,8 +535,17 @@ TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
   write_study_table(folder / "results.h5", points, PointCensus(points), finished);
   EXPECT_EQ(check(), 4);
   EXPECT_THAT(err_, HasSubstr("and the ledgers differ in the run"));
-  // runs that are still to come are no damage
+  // results of an earlier version of the study
   put_back();
+  write_study(1, "keep = [\"level\", \"files\"]\n[set]\n\"scene.gap\" = 2e-4");
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
+  EXPECT_EQ(check(), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("also of 4 results, and of 4 results of earlier versions"));
+  flip(kept, result.size() / 2);
+  EXPECT_EQ(check(), 4);
+  EXPECT_THAT(err_, HasSubstr(kept.filename().string()));
+  std::ofstream(kept, std::ios::binary) << result;
+  // runs that are still to come are no damage
   write_study(2, "keep = [\"level\", \"files\"]");
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet", "--shard", "1/4"}), 0) << err_;
   EXPECT_EQ(check(), 0) << err_;
@@ -666,6 +678,42 @@ TEST_F(StudyProgram, AnalyzeWritesTheMeansAndTheLawAsTables) {
   EXPECT_EQ(
       test::run_program(folder_, {test::program(), "analyze", "y-means.csv", "--csv", "y"}).status,
       2);
+}
+
+/// A dimension of such a name would stand twice, or in the place of a figure.
+TEST_F(StudyProgram, WhatTheTableAndTheMeansHaveIsNoNameOfADimension) {
+  const std::string keep = "keep = [\"level\", \"shocks\", \"sound\", \"files\"]\n";
+  write_study(1, keep);
+  ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
+  std::set<std::string> names;
+  const auto json = nlohmann::json::parse(
+      test::run_program(folder_, {test::program(), "analyze", "out", "--json"}).out);
+  for (const auto& [name, value] : json["points"][0].items()) names.insert(name);
+  test::run_program(folder_, {test::program(), "analyze", "out", "--csv", "x"});
+  std::istringstream head(test::read_file(folder_ / "x-means.csv"));
+  std::string line;
+  std::getline(head, line);
+  std::istringstream columns(line);
+  for (std::string name; std::getline(columns, name, ',');) names.insert(name);
+  const hid_t table = H5Fopen((folder_ / "out/results.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(table, 0);
+  H5Literate(
+      table, H5_INDEX_NAME, H5_ITER_INC, nullptr,
+      [](hid_t, const char* name, const H5L_info_t*, void* all) -> herr_t {
+        static_cast<std::set<std::string>*>(all)->insert(name);
+        return 0;
+      },
+      &names);
+  H5Fclose(table);
+  EXPECT_GT(names.size(), 40u);
+  names.erase("speed");
+  names.erase("load");
+  for (const std::string& name : names)
+    EXPECT_THROW(parse_study("base = \"b.toml\"\n" + keep + "[vary]\n\"" + name +
+                                 "\" = { key = \"scene.speed\", values = [1, 2] }\n",
+                             "s.toml"),
+                 RequestError)
+        << name;
 }
 
 TEST_F(StudyProgram, AKeyThatTakesAWordOrANumberMayHaveBoth) {

@@ -82,7 +82,7 @@ def play(request: Request) -> str:
         made = sound.of_probe(result, **request["options"])
     _write(_path(request["output"]), made.encoded(request["encoding"]))
     _write(_path(request["sidecar"]), made.about_text(name.name).encode("utf-8", "replace"))
-    for doubt in made.doubts:
+    for doubt in (*made.doubts, *made.doubts_in(request["encoding"])):
         warnings.warn(doubt, stacklevel=1)
     return "" if request["quiet"] else made.describe(str(name))
 

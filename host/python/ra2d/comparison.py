@@ -506,7 +506,9 @@ def _mean(values: Values) -> float:
 
 
 def _row_of_sets(x: Values, y: Values, unit: str, paired: bool) -> dict[str, Any]:
-    """`x`, `y`: levels in dB, or logarithms of what has another unit."""
+    """`x`, `y`: levels in dB, or logarithms of what has another unit. What is not finite, such as
+    the level of a run at rest, is none."""
+    x, y = (np.where(np.isfinite(side), side, math.nan) for side in (x, y))
     chance, why = _test_of_sets(x, y, paired)
     if paired:
         both = np.isfinite(x) & np.isfinite(y)

@@ -46,6 +46,8 @@ PRESSURE = "sound pressure"
 # and the names of a scale and a peak
 _UNITS = {"velocity": ("m/s", "m_per_s"), PRESSURE: ("Pa", "pa")}
 _BITS: dict[str, int] = {"wav-16": 16, "wav-24": 24, "wav-32": 32, "flac-24": 24}
+SOFTEST = 2.0**-23           # of full scale: what is below is too soft for players of 24 bits
+FLAC_ANY, FLAC_STEP = 65535, 10  # Hz: rates that a FLAC can have, and of which multiples above
 
 
 # ---- resampling
@@ -155,7 +157,10 @@ class Sound:
         'cube.flac'
         """
         path = pathlib.Path(path)
-        files.write_bytes(path, self.encoded(encoding_of(path, bits)))
+        encoding = encoding_of(path, bits)
+        files.write_bytes(path, self.encoded(encoding))
+        for doubt in self.doubts_in(encoding):
+            warnings.warn(doubt, stacklevel=2)
         return path
 
     def encoded(self, encoding: Encoding = "wav-24") -> bytes:
@@ -170,6 +175,8 @@ class Sound:
 
             wavfile.write(out, self.rate, self.samples.astype(np.float32))
             return out.getvalue()
+        if encoding == "flac-24":
+            _require_flac_rate(self.rate)
         bits = _BITS[encoding]
         steps = 2.0 ** (bits - 1)
         whole = np.clip(np.rint(self.samples * steps), -steps, steps - 1) * 2.0 ** (32 - bits)
@@ -182,6 +189,21 @@ class Sound:
             file.software = f"ra2d {self.about['version']}"
             file.write(whole.astype(np.int32))
         return out.getvalue()
+
+    def doubts_in(self, encoding: Encoding) -> tuple[str, ...]:
+        """What gets lost in a file of this encoding.
+
+        >>> getfixture("result").listen(stop=0.1, full_scale=1e3).doubts_in("wav-float")
+        ()
+        """
+        peak, scale = self._peak(), self.full_scale()
+        step = 2.0 ** (1 - _BITS[encoding]) if encoding in _BITS else 0.0
+        if not 0 < peak < max(step, SOFTEST) * scale:
+            return ()
+        lost = (f"below a step of {_BITS[encoding]} bits, {step:.2g}, so that nothing, or hardly "
+                "anything, is left in the file" if peak < step * scale else "too soft to hear")
+        return (f"the peak, {peak:.4g} {self._unit()}, is {peak / scale:.3g} of --full-scale "
+                f"{scale:g} {self._unit()}: {lost}. Take a full scale near the peak",)
 
     def source(self) -> str:
         """A WAV of 16 bits, which every browser plays, as an address that a page holds in itself.
@@ -341,6 +363,21 @@ def _choose_stretch(result: Result, time: Array, start: float | None, stop: floa
     return slice(first, beyond)
 
 
+def _require_flac_rate(rate: int) -> None:
+    if rate > FLAC_ANY and rate % FLAC_STEP:
+        raise RequestError(f"rate is {rate}: above {FLAC_ANY} Hz a FLAC has multiples of "
+                           f"{FLAC_STEP} Hz alone: take {round(rate / FLAC_STEP) * FLAC_STEP}, or "
+                           "a WAV")
+
+
+def _require_two_samples(heard: Array, about: dict[str, Any]) -> None:
+    if len(heard) < 2:
+        raise RequestError(
+            f"{about['source']}: from {about['from']:g} s to {about['to']:g} s is one sample of a "
+            f"sound of {about['rate']} Hz: expected a stretch of two samples or more (--from, --to)"
+            ", or a larger --slow")
+
+
 def _between(modes: Array, low: float, high: float) -> int:
     return int(((modes > low) & (modes <= high)).sum())
 
@@ -382,11 +419,6 @@ def _doubt_scale(about: dict[str, Any], name: str) -> list[str]:
         return [f"silence: the {name} does not move from {about['from']:g} s to {about['to']:g} "
                 f"s{support}"]
     doubts = []
-    if peak < 2.0**-23 * scale:
-        doubts.append(f"the peak, {peak:.4g} {unit}, is {peak / scale:.3g} of --full-scale "
-                      f"{scale:g} {unit}: a file of 24 "
-                      "bits, which hold nothing below 1.2e-07, is silent, and one of floats is too "
-                      "soft to hear")
     if beyond:
         doubts.append(f"{beyond} of {about['samples']} samples are beyond --full-scale {scale:g} "
                       f"{unit}, the peak is "
@@ -446,9 +478,10 @@ def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, s
                 "has not")
     about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "left_out": left_out,
              "full_scale_pa": scale,
-             "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).sum()),
+             "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).any(axis=1).sum()),
              "rate": int(rate),
              "samples": len(heard), "slow": float(slow), **_origin(result)}
+    _require_two_samples(heard, about)
     doubts = _doubt_scale(about, "") + _doubt_rates(about, modes)
     return Sound((heard[:, 0] if len(pressures) == 1 else heard) / scale, int(rate), about,
                  tuple(doubts))
@@ -502,6 +535,7 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
              "rate": int(rate), "samples": heard.size, "slow": float(slow),
              "from": float(time[part.start]),
              "to": float(time[part.stop - 1]), **_origin(result)}
+    _require_two_samples(heard, about)
     if "y" in velocity.coords:
         about["y"] = float(velocity.y)
     modes = result.modes("slider" if body == "slider" else "resonator").frequency.values

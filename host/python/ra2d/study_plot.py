@@ -260,8 +260,8 @@ def picture(study: Study) -> Picture:
         for axes in grid[max(len(names), 1):]:
             axes.set_visible(False)
         if not np.isfinite(means["level"]).any():
-            style.say_empty(grid[0], "the table has no levels: none was kept, or no run is done",
-                            "Level")
+            style.say_empty(grid[0], "the table has no levels: none was kept, no run is done, or "
+                            "nothing vibrates", "Level")
             return figure
         if not names:
             _draw_seeds(grid[0], study, means.iloc[0])

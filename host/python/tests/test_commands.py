@@ -63,7 +63,10 @@ def test_sound_of_a_run(place):
     assert (place / "out.wav").read_bytes() == before
     assert ra2d(place, "sound", "out.h5", "--bits", "float", "-o", "f.WAV").returncode == 0
     assert soundfile.info(place / "f.WAV").subtype == "FLOAT"
-    for wrong in (("--bits", "16", "-o", "x.flac"), ("--bits", "8"), ("-o", "x.mp3"),
+    coarse = ra2d(place, "sound", "out.h5", "--bits", "16", "--full-scale", "1e3", "-o", "f.WAV")
+    assert coarse.returncode == 0 and "below a step of 16 bits" in coarse.stderr
+    for wrong in (("--bits", "16", "-o", "x.flac"), ("--rate", "96001", "-o", "x.flac"),
+                  ("--bits", "8"), ("-o", "x.mp3"),
                   ("--probe", "2"), ("--rate", "1"),
                   ("--full-scale", "1", "--normalize"), ("--probe", "99999999999999999999"),
                   ("--to", "7")):

@@ -160,6 +160,25 @@ def test_studies_of_other_settings_differ(base, folder):
     assert ra2d.compare(short, long).scene.loc["scene.duration", "b"] == 0.01
 
 
+def test_studies_at_rest_have_no_level_to_compare(folder):
+    (folder / "rest.toml").write_text("""base = "base-of-rest.toml"
+seeds = 2
+[set]
+"scene.duration" = 0.005
+"scene.initial" = "rest"
+"slider.load" = 0
+"time.scheme" = "adaptive"
+[vary]
+gap = { key = "scene.gap", values = [1e-4, 2e-4] }
+""", encoding="utf-8")
+    (folder / "base-of-rest.toml").write_text(program.call("scenes", "dang2012"), "utf-8")
+    program.call("study", folder / "rest.toml", "-o", folder / "rest", "--quiet")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = ra2d.compare(folder / "rest", folder / "rest")
+    assert (found.answers.why == "neither has one").all()
+
+
 def test_studies_are_compared_where_both_have_runs(study, folder, base):
     same = ra2d.compare(study, folder / "small")
     assert len(same.answers) == 4 * 6 and (same.answers.difference

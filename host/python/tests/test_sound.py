@@ -140,6 +140,40 @@ def test_a_wav_of_floats_holds_what_is_beyond_full_scale():
     assert f"{made.about['beyond_full_scale']} of 48001 samples are beyond" in made.doubts[0]
 
 
+@pytest.mark.parametrize("encoding, bits", [("wav-16", 16), ("wav-24", 24), ("wav-32", 32),
+                                            ("flac-24", 24)])
+def test_what_a_file_is_too_coarse_for_is_said(encoding, bits):
+    step = 2.0 ** (1 - bits)
+    result = moving(sine(1000, 3e-3), count=1001)
+    for share, silent in ((0.4, True), (1.1, False)):  # of a step
+        made = sound.of_probe(result, full_scale=3e-3 / (share * step))
+        lost = " ".join(made.doubts_in(encoding))
+        assert not made.doubts and (read(made, encoding).read() == 0).all() == silent
+        assert (f"below a step of {bits} bits, {step:.2g}," in lost) == silent
+        assert ("too soft to hear" in lost) == (not silent and bits == 32)
+    assert "too soft to hear" in sound.of_probe(result, full_scale=3e5).doubts_in("wav-float")[0]
+    assert sound.of_probe(result, full_scale=3e3).doubts_in("wav-float") == ()
+
+
+def test_of_a_file_that_is_saved_it_is_said(tmp_path):
+    made = sound.of_probe(moving(sine(1000, 3e-3), count=1001), full_scale=1e3)
+    made.save(tmp_path / "s.wav")
+    with pytest.warns(UserWarning, match="below a step of 16 bits"):
+        made.save(tmp_path / "s.wav", 16)
+
+
+@pytest.mark.parametrize("rate, fine", [(65535, True), (65536, False), (96001, False),
+                                        (96010, True)])
+def test_rates_of_a_flac(rate, fine, tmp_path):
+    made = sound.of_probe(moving(sine(1000, 3e-3), count=1001), rate=rate)
+    if fine:
+        assert read(made, "flac-24").samplerate == rate
+    else:
+        with pytest.raises(ra2d.RequestError, match=f"take {round(rate / 10) * 10}, or a WAV"):
+            made.save(tmp_path / "s.flac")
+        assert not list(tmp_path.iterdir())
+
+
 def test_slowed_it_is_longer_and_lower():
     made = sound.of_probe(moving(sine(5000, 3e-3), count=20001), slow=20)
     assert made.samples.size == 192001 and "20 times slower" in read(made, "wav-24").comment
@@ -215,7 +249,8 @@ def test_what_the_rates_leave_out_is_said():
     ({"full_scale": 1e-300}, "expected a velocity near the peak"),
     ({"full_scale": 1e300}, "expected a velocity near the peak"),
     ({"start": 0.05, "stop": 0.04}, "there is nothing"),
-    ({"stop": 7.0}, "the run ends at 1 s"), ({"start": 0.999995}, "there is one sample")])
+    ({"stop": 7.0}, "the run ends at 1 s"), ({"start": 0.999995}, "there is one sample"),
+    ({"start": 0.1, "stop": 0.10002}, "one sample of a sound of 48000 Hz")])
 def test_what_cannot_be_heard(options, words):
     with pytest.raises(ra2d.RequestError, match=words):
         sound.of_probe(moving(sine(1000, 3e-3)), **options)
@@ -258,6 +293,19 @@ def test_it_is_the_pressure_over_full_scale():
     alone = sound.of_pressure(moving(), motions[0](time)[None, :],
                               {**heard_at, "microphones": [[1, 2, 3]]}, slow=2)
     assert alone.samples.ndim == 1 and "2 times slower" in alone.describe("x.wav")
+
+
+def test_of_two_microphones_times_beyond_full_scale_are_counted_once():
+    pressures = np.ones((2, 1000))
+    pressures[1, 500:] = 3
+    heard_at = {"microphones": [[0.1, 0.2, 0.3], [1, 2, 3]], "from": 0.0, "to": 1.0}
+    made = sound.of_pressure(moving(rate=48e3), pressures, heard_at, full_scale=0.5)
+    assert made.about["beyond_full_scale"] == made.about["samples"] == 1000
+    assert "1000 of 1000 samples are beyond" in made.doubts[0]
+    made = sound.of_pressure(moving(rate=48e3), pressures, heard_at, full_scale=2)
+    assert made.about["beyond_full_scale"] == 500
+    with pytest.raises(ra2d.RequestError, match="one sample of a sound"):
+        sound.of_pressure(moving(), np.ones((1, 2)), heard_at)
 
 
 def test_silence_is_said():
