@@ -94,6 +94,22 @@ bool trim_count(std::string& text) {
   return true;
 }
 
+/// Of "90", "1:30" or "0:01:30"; none of any other text, and of no time.
+std::optional<double> clock_seconds(const std::string& text) {
+  double seconds = 0;
+  std::size_t begin = 0;
+  for (int part = 0; part < 3; ++part) {
+    const std::size_t end = std::min(text.find(':', begin), text.size());
+    const std::optional<double> value = to_decimal(text.substr(begin, end - begin));
+    const bool fits = value && *value <= 1e9 && (part == 0 || *value < 60);
+    if (!fits || std::signbit(*value)) return {};
+    seconds = 60 * seconds + *value;
+    if (end == text.size()) return seconds > 0 ? std::optional(seconds) : std::nullopt;
+    begin = end + 1;
+  }
+  return {};
+}
+
 }  // namespace
 
 CLI::Validator count() {
@@ -132,21 +148,13 @@ CLI::Validator thread_count() {
 
 CLI::Validator clock_time() {
   return {[](std::string& text) {
-            double seconds = 0;
-            std::size_t begin = 0;
-            for (int part = 0; part < 3; ++part) {
-              const std::size_t end = std::min(text.find(':', begin), text.size());
-              const std::optional<double> value = to_decimal(text.substr(begin, end - begin));
-              if (!value || !(*value >= 0 && *value <= 1e9)) break;
-              seconds = 60 * seconds + *value;
-              if (end == text.size()) {
-                if (!(seconds > 0)) break;
-                text = fmt::format("{}", seconds);
-                return std::string{};
-              }
-              begin = end + 1;
-            }
-            return fmt::format("'{}': expected seconds, M:S or H:M:S", shortened(text));
+            const std::optional<double> seconds = clock_seconds(text);
+            if (!seconds)
+              return fmt::format(
+                  "'{}': expected a time > 0 as seconds, M:S or H:M:S, less than 60 after a colon",
+                  shortened(text));
+            text = fmt::format("{}", *seconds);
+            return std::string{};
           },
           {}};
 }

@@ -196,14 +196,13 @@ void print_zoom(std::size_t number, const ZoomWindow& window, double rate,
 
 struct ZoomsRun {
   int status = exit_status::done;
+  bool resumable = false;                    // one was cut short and goes on from a checkpoint
   std::vector<std::filesystem::path> files;  // that are complete
 };
 
-/// Runs the windows that were requested, each to a file of its own beside that of the whole run.
-ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
-                   RunOptions options) {
-  ZoomsRun zooms;
-  if (zoom.is_empty()) return zooms;
+/// Runs windows to `zooms` until one of them is not complete. Throws RequestError, FileError.
+void run_windows(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
+                 RunOptions options, ZoomsRun& zooms) {
   const Clock::time_point begun = Clock::now();
   const std::filesystem::path output = options.output;
   const std::vector<ZoomWindow> windows =
@@ -222,12 +221,40 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
     if (options.progress) show({});
     if (report.ending != Ending::there && report.ending != Ending::complete) {
       zooms.status = say_run_ending(request.common, report, options.output);
-      return zooms;
+      zooms.resumable = report.resumable;
+      return;
     }
     zooms.files.push_back(options.output);
     if (!request.common.quiet && !request.json)
       print_zoom(i + 1, windows[i], zoom_scene.output.rate, options.output);
   }
+}
+
+/// Runs the windows that were requested, each to a file of its own beside that of the whole run.
+/// Faults are said: the whole run is there all the same, and has its JSON. Names windows that are
+/// left of another run.
+ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
+                   const RunOptions& options) {
+  ZoomsRun zooms;
+  if (!zoom.is_empty()) try {
+      run_windows(request, scene, zoom, options, zooms);
+    } catch (const RequestError& fault) {
+      say(fault.what());
+      zooms.status = exit_status::wrong_request;
+    } catch (const FileError& fault) {
+      say(fault.what());
+      zooms.status = exit_status::wrong_file;
+    }
+  if (request.common.quiet) return zooms;
+  const auto others = windows_of_other_runs(scene, options.output, zooms.files);
+  if (others.empty()) return zooms;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& file : others)
+    names.push_back(fmt::format("'{}'", file.string()));
+  say(
+      fmt::format("windows of another run stand beside '{}': {}. Remove them, or have --zoom with "
+                  "--force replace them",
+                  options.output.string(), fmt::join(names, ", ")));
   return zooms;
 }
 
@@ -279,7 +306,7 @@ int run_scene(RunRequest& request) {
   }
 
   const Backend backend(common.threads, common.device);
-  const RunReport report = run(scene, options);
+  RunReport report = run(scene, options);
   if (options.progress) show({});
   if (report.ending == Ending::there) {
     if (!request.json && !common.quiet)
@@ -287,8 +314,11 @@ int run_scene(RunRequest& request) {
             printable(output.string()));
     const SceneSound sound = print_sound(scene, output, !request.json && !common.quiet);
     const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
-    if (request.json)
-      print_text(run_json(scene, report_of_file(output), output, zooms.status, zooms.files, sound));
+    if (request.json) {
+      RunReport there = report_of_file(output);
+      there.resumable = zooms.resumable;
+      print_text(run_json(scene, there, output, zooms.status, zooms.files, sound));
+    }
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
@@ -304,6 +334,7 @@ int run_scene(RunRequest& request) {
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
   const int status =
       zooms.status == exit_status::done ? say_run_ending(common, report, output) : zooms.status;
+  report.resumable = report.resumable || zooms.resumable;
   if (request.json) print_text(run_json(scene, report, output, status, zooms.files, sound));
   return status;
 }

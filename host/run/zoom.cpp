@@ -15,7 +15,10 @@
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/disk_room.hpp"
+#include "host/run/run_key.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/scene_file/scene_file.hpp"
+#include "host/store/result_reader.hpp"
 
 namespace ra2d {
 namespace {
@@ -164,6 +167,32 @@ std::filesystem::path zoom_name(const std::filesystem::path& output, std::size_t
   std::filesystem::path name = output;
   name.replace_extension(fmt::format(".zoom-{}{}", number, output.extension().string()));
   return name;
+}
+
+std::vector<std::filesystem::path> windows_of_other_runs(
+    const Scene& scene, const std::filesystem::path& output,
+    const std::vector<std::filesystem::path>& own) {
+  std::vector<std::filesystem::path> others;
+  std::optional<Model> model;  // of the run: its windows have its faces
+  for (std::size_t number = 1; number <= most_zooms; ++number) {
+    const std::filesystem::path file = zoom_name(output, number);
+    if (std::find(own.begin(), own.end(), file) != own.end()) continue;
+    try {
+      const auto stamp = stamp_of(file);
+      if (!stamp) continue;
+      Scene window = scene;
+      const Scene there = parse_echo(stamp->scene, file);
+      window.output.rate = there.output.rate;
+      window.output.window = there.output.window;
+      if (!model) model = make_model(scene);
+      if (run_key(with_settings(*model, window)) != stamp->key) others.push_back(file);
+    } catch (const RequestError&) {  // no window that this program could have made of the scene
+      others.push_back(file);
+    } catch (const FileError&) {  // no result
+      continue;
+    }
+  }
+  return others;
 }
 
 }  // namespace ra2d

@@ -56,4 +56,10 @@ Scene zoomed(const Scene& scene, const ZoomWindow& window, std::optional<double>
 /// "OUT.zoom-1.h5" for "OUT.h5".
 std::filesystem::path zoom_name(const std::filesystem::path& output, std::size_t number);
 
+/// Results beside an output that have the name of a window of it and are of other runs than the
+/// scene's. `own` are known not to be.
+std::vector<std::filesystem::path> windows_of_other_runs(
+    const Scene& scene, const std::filesystem::path& output,
+    const std::vector<std::filesystem::path>& own);
+
 }  // namespace ra2d

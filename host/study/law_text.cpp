@@ -188,7 +188,8 @@ std::string sound_text(const StudyAnswers& answers, std::size_t most_rows) {
 }  // namespace
 
 std::string value_text(const StudyAxis& axis, std::size_t value) {
-  return axis.texts.empty() ? fmt::format("{:g}", axis.numbers[value]) : axis.texts[value];
+  return axis.texts.empty() ? fmt::format("{:g}", axis.numbers[value])
+                            : printable(axis.texts[value]);
 }
 
 std::string describe_study(const StudyAnswers& answers, const std::string& name,

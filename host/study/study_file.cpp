@@ -388,8 +388,10 @@ Study parse_snapshot(const std::string& text, const std::filesystem::path& file)
     study.base_text = json.at("base_text").get<std::string>();
     return study;
   } catch (const nlohmann::json::exception&) {
-    throw FileError(fmt::format("'{}' is damaged: run the study's line again, which writes it anew",
-                                file.string()));
+    throw FileError(
+        fmt::format("'{}' is damaged: move it away and run the study's line again, which writes it "
+                    "anew",
+                    file.string()));
   } catch (const RequestError& fault) {
     throw FileError(fmt::format("'{}' holds no study: {}", file.string(), fault.what()));
   }

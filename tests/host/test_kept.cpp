@@ -235,6 +235,59 @@ TEST_F(Kept, TheShockInAZoomIsTheShockOfTheRun) {
   EXPECT_THAT(ended.err, HasSubstr("out.zoom-1.h5' is there already"));
 }
 
+TEST_F(Kept, WindowsOfAnotherRunAreNamed) {
+  const auto changed = [&](const std::string& change, const std::vector<std::string>& more) {
+    std::vector<std::string> words = set({"scene.duration=0.02", change});
+    words.insert(words.end(), more.begin(), more.end());
+    return run("out.h5", words);
+  };
+  const std::string as_before = "contact.stiffness=1e15", other = "contact.stiffness=1e14";
+  ASSERT_EQ(changed(as_before, {"--zoom", "0.005,0.006", "--zoom", "0.001,0.002"}).status, 0);
+  // another name makes no other run
+  Ended ended = changed("scene.name=\"renamed\"", {});
+  EXPECT_EQ(ended.status, 0);
+  EXPECT_THAT(ended.err, Not(HasSubstr("windows of another run")));
+
+  ended = changed(other, {"--force"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.err, HasSubstr("windows of another run"));
+  for (const char* name : {"out.zoom-1.h5", "out.zoom-2.h5"})
+    EXPECT_THAT(ended.err, HasSubstr(fmt::format("'{}'", path(name))));
+  // as it says: those that are made anew are the run's own
+  ended = changed(other, {"--zoom", "0.005,0.006", "--force"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.err,
+              HasSubstr(fmt::format("'{}': '{}'. Remove", path("out.h5"), path("out.zoom-2.h5"))));
+  fs::remove(path("out.zoom-2.h5"));
+  std::ofstream(path("out.zoom-3.h5")) << "no result";
+  ended = changed(other, {});
+  EXPECT_THAT(ended.err, Not(HasSubstr("windows of another run")));
+}
+
+TEST_F(Kept, TheOutcomeIsPrintedAlsoWhereAWindowIsRefused) {
+  const auto outcome = [&](const std::vector<std::string>& zoom) {
+    std::vector<std::string> words = set({"scene.duration=0.02"});
+    words.insert(words.end(), zoom.begin(), zoom.end());
+    words.emplace_back("--json");
+    const Ended ended = run("out.h5", words);
+    EXPECT_EQ(ended.status, 2);
+    EXPECT_FALSE(ended.err.empty());
+    return nlohmann::json::parse(ended.out);
+  };
+  for (const bool was_there : {false, true}) {
+    const auto none = outcome({"--zoom", "shock=99999999"});
+    EXPECT_EQ(none["was_there"], was_there);
+    EXPECT_EQ(none["complete"], true);
+    EXPECT_EQ(none["exit_status"], 2);
+    EXPECT_EQ(none["resumable"], false);
+    EXPECT_TRUE(none["zooms"].empty());
+  }
+  ASSERT_EQ(run("out.h5", {"--set", "scene.duration=0.02", "--zoom", "0.001,0.002"}).status, 0);
+  const auto taken = outcome({"--zoom", "0.003,0.004"});
+  EXPECT_EQ(taken["complete"], true);
+  EXPECT_EQ(taken["exit_status"], 2);
+}
+
 TEST_F(Kept, FixedStepsZoomToOneSampleAStep) {
   std::vector<std::string> words =
       set({"scene.duration=0.02", "time.scheme=backward-euler", "time.step=5e-7"});
@@ -248,10 +301,15 @@ TEST_F(Kept, AZoomThatIsCutOffGoesOn) {
   const std::vector<std::string> zoom = {"--set", "scene.duration=0.4", "--zoom", "0.39,0.395"};
   ASSERT_EQ(run("out.h5", {"--set", "scene.duration=0.4"}).status, 0);
   std::vector<std::string> cut = zoom;
-  cut.insert(cut.end(), {"--checkpoint", "1e-5", "--max-wall", "0.01"});
+  cut.insert(cut.end(), {"--checkpoint", "1e-5", "--max-wall", "0.01", "--json"});
   const Ended ended = run("out.h5", cut);
   EXPECT_EQ(ended.status, 5) << ended.err;
   EXPECT_THAT(ended.err, HasSubstr("out.zoom-1.h5, marked as cut short"));
+  const auto outcome = nlohmann::json::parse(ended.out);
+  EXPECT_EQ(outcome["complete"], true) << "the run itself";
+  EXPECT_EQ(outcome["resumable"], true);
+  EXPECT_EQ(outcome["exit_status"], 5);
+  EXPECT_TRUE(outcome["zooms"].empty());
   ASSERT_EQ(run("out.h5", zoom).status, 0);
   ASSERT_EQ(run("other.h5", zoom).status, 0);
   EXPECT_TRUE(content_of(path("out.zoom-1.h5")) == content_of(path("other.zoom-1.h5")));

@@ -230,6 +230,16 @@ TEST_F(Program, NumbersOfTheCommandLineAreRefusedBeforeAnythingRuns) {
     EXPECT_THAT(err_, HasSubstr("0x")) << fmt::format("{}", fmt::join(words, " "));
     EXPECT_THAT(err_, HasSubstr("expected")) << fmt::format("{}", fmt::join(words, " "));
   }
+  for (const char* wall :
+       {"-1", "-0:0:1", "1:-0", "0:0:0", "1:60", "1:99", "1:59:60", "1:2:3:4", "1:", ":1", "nan"}) {
+    EXPECT_EQ(run({"run", scene_file("peaks"), fmt::format("--max-wall={}", wall)}), 2) << wall;
+    EXPECT_THAT(err_, AllOf(HasSubstr("--max-wall"), HasSubstr("M:S or H:M:S"))) << wall;
+  }
+  for (const char* wall : {"90:00", "100", "1:30.5", "0:01:30", "72:00:00"})
+    EXPECT_EQ(run({"run", scene_file("drop"), "--set", "scene.duration=1e-4", "--fresh",
+                   fmt::format("--max-wall={}", wall)}),
+              0)
+        << wall << err_;
   EXPECT_EQ(run({"chart", "stability", "--set", "resonator.max_frequency=1e9"}), 2);
   EXPECT_THAT(err_, AllOf(HasSubstr("resonator.max_frequency"), HasSubstr("at most 256")));
 }

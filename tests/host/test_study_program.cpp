@@ -328,6 +328,33 @@ TEST_F(StudyProgram, FilesThatCannotBeWrittenAreSaid) {
   EXPECT_EQ(test::read_file(ledger), bytes) << "left as it was found";
 }
 
+TEST_F(StudyProgram, ASnapshotThatIsNoneIsMovedAwayAsItIsSaid) {
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  const fs::path snapshot = folder_ / "out/study.json";
+  for (const char* text : {"{\n", "{}\n", "no study"}) {
+    std::ofstream(snapshot) << text;
+    EXPECT_EQ(run({"status", "out"}), 4) << text;
+    EXPECT_THAT(err_, HasSubstr("move it away and run the study's line again")) << text;
+    EXPECT_EQ(run({"study.toml", "-o", "out"}), 2) << text;
+    fs::rename(snapshot, folder_ / "moved.json");
+    EXPECT_EQ(run({"study.toml", "-o", "out"}), 0) << text << err_;
+    EXPECT_EQ(run({"status", "out"}), 0) << text << err_;
+  }
+}
+
+TEST_F(StudyProgram, ATextOfTwoLinesStaysInItsRow) {
+  std::ofstream(folder_ / "named.toml") << R"(
+base = "base.toml"
+[vary]
+name = { key = "scene.name", values = ["of\ntwo", "of one"] }
+)";
+  ASSERT_EQ(run({"named.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("\n  of\\u000Atwo "));
+  Child analysis(folder_, {test::program(), "analyze", "out"});
+  EXPECT_EQ(analysis.wait(), 0);
+  EXPECT_THAT(analysis.out(), HasSubstr("\n  of\\u000Atwo "));
+}
+
 TEST_F(StudyProgram, ADiskThatFillsUpLeavesWhatIsFinished) {
   // a limit on the size of files stands for a full disk
   write_study(60);

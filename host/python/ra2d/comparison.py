@@ -635,8 +635,8 @@ def _content_of_study(study: Study) -> dict[str, Any]:
         pairs = []
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
         why = fault.strerror if isinstance(fault, OSError) else "it is not what 'ra2d study' wrote"
-        raise FileError(f"'{snapshot}' cannot be read ({why}): run the study's line again, which "
-                        "writes it anew") from fault
+        raise FileError(f"'{snapshot}' cannot be read ({why}): move it away and run the study's "
+                        "line again, which writes it anew") from fault
     for key, text in pairs:
         try:
             given = toml.parse(f"value = {text}")["value"]

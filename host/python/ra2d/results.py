@@ -50,6 +50,10 @@ _SUMMARY = ("lv", "lv_low", "lv_high", "v_rms", "shock_rate", "shock_rate_low", 
             "contact_share", "nodes_evaluated", "energy_residual", "energy_turnover",
             "energy_closure", "step_seconds", "wall_seconds")
 _SHOCKS = ("start", "duration", "peak_force", "impulse", "position")
+# In these a window may differ from its run: its samples, and what the program takes for no other
+# run (without_origins in host/scene/scene.cpp).
+_WINDOW_KEYS = (("scene", "name"), ("output", "rate"), ("output", "window"),
+                ("output", "microphones"))
 
 
 def _one_of(name: str, given: str, allowed: tuple[str, ...]) -> str:
@@ -491,7 +495,23 @@ class Result:
         if not path.exists():
             raise FileError(f"there is no window {number} of this run, {str(path)!r}: 'ra2d run "
                             "--zoom' makes it")
-        return Result(path)
+        window = Result(path)
+        if window._run() != self._run():
+            raise FileError(f"{str(path)!r} is a window of another run than {str(self.path)!r}: "
+                            "remove it, or have 'ra2d run --zoom' with --force replace it")
+        return window
+
+    def _run(self) -> tuple[Any, ...]:
+        """Equal for a run and its windows."""
+        scene = copy.deepcopy(self._scene)
+        for section, key in _WINDOW_KEYS:
+            scene.get(section, {}).pop(key, None)
+        scene.pop("air", None)
+        for body in BODIES:
+            scene[body].get("surface", {}).pop("path", None)  # its heights tell more
+            if not self.is_areal:
+                scene[body].pop("poisson", None)
+        return scene, *map(self.height_hash, BODIES)
 
     # ---- looking and listening
     # ----------------------------------------------------------------------

@@ -37,3 +37,39 @@ def test_a_zoom_has_the_shock(base, folder):
     zoom.plot()
     with pytest.raises(ra2d.FileError, match="no window 2"):
         whole.zoom(2)
+
+
+def test_a_window_of_another_run_is_refused(base, folder):
+    short = base.change({"scene.duration": 0.02, "output.probes": [0.1]})
+
+    def run(scene, *words):
+        program.call("run", scene.file(folder), *scene.options(), "-o", folder / "left.h5", *words)
+
+    run(short, "--zoom", "0.005,0.006")
+    # its name and what is heard of it are not of the motion
+    place = {"x": 0.1, "y": 0.1, "z": 0.2}
+    run(short.change({"scene.name": "renamed", "output.microphones": [place]}), "--fresh")
+    assert ra2d.load(folder / "left.h5").title == "renamed"
+    assert ra2d.load(folder / "left.h5").zoom().contact.time.size > 1000
+    for change in ({"contact.stiffness": 1e14}, {"slider.surface.seed": 77}):
+        run(short.change(change), "--force")
+        with pytest.raises(ra2d.FileError, match="window of another run.*--force replace it"):
+            ra2d.load(folder / "left.h5").zoom()
+    run(short.change(change), "--zoom", "0.005,0.006", "--force")
+    ra2d.load(folder / "left.h5").zoom()
+
+
+def test_a_window_between_other_measured_faces_is_refused(base, folder):
+    face = folder / "face.txt"
+    scene = base.change({"scene.duration": 0.02,
+                         "slider.surface": {"kind": "file", "path": face, "x_unit": "mm",
+                                            "z_unit": "um"}})
+    for depth, words in ((8, ["--zoom", "0.005,0.006"]), (9, ["--force"])):
+        x = np.linspace(0, 20, 2001)
+        np.savetxt(face, np.column_stack([x, depth * np.sin(9 * x)]))
+        program.call("run", scene.file(folder), *scene.options(), "-o", folder / "measured.h5",
+                     *words)
+        if depth == 8:
+            ra2d.load(folder / "measured.h5").zoom()
+    with pytest.raises(ra2d.FileError, match="window of another run"):
+        ra2d.load(folder / "measured.h5").zoom()
