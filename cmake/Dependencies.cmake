@@ -3,8 +3,12 @@
 # archive is named.
 set(RA2D_KOKKOS_ARCHIVE "" CACHE FILEPATH
     "A release of Kokkos 5 to build from, instead of one that is installed or fetched")
-if(NOT RA2D_BACKEND MATCHES "^(OpenMP|Serial|CUDA)$")
-  message(FATAL_ERROR "RA2D_BACKEND = ${RA2D_BACKEND}: OpenMP, Serial or CUDA was expected")
+if(NOT RA2D_BACKEND MATCHES "^(OpenMP|Serial|CUDA|HIP)$")
+  message(FATAL_ERROR "RA2D_BACKEND = ${RA2D_BACKEND}: OpenMP, Serial, CUDA or HIP was expected")
+endif()
+if(RA2D_BACKEND STREQUAL "HIP" AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  message(FATAL_ERROR "RA2D_BACKEND = HIP is for ROCm's compiler, not for ${CMAKE_CXX_COMPILER}: configure a new folder with "
+                      "--preset hip, or with -DCMAKE_CXX_COMPILER=hipcc")
 endif()
 set(kokkos_by_name)  # where the user says that Kokkos is installed
 foreach(place "${Kokkos_ROOT}" "$ENV{Kokkos_ROOT}")
@@ -35,7 +39,8 @@ if(Kokkos_FOUND)
   string(TOUPPER ${RA2D_BACKEND} wanted)
   # Kokkos runs on the strongest of the backends that it was built for; one of OpenMP serves one
   # thread, too.
-  if(NOT wanted IN_LIST Kokkos_DEVICES OR ("CUDA" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "CUDA"))
+  if(NOT wanted IN_LIST Kokkos_DEVICES OR ("CUDA" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "CUDA")
+     OR ("HIP" IN_LIST Kokkos_DEVICES AND NOT wanted STREQUAL "HIP"))
     message(FATAL_ERROR "The Kokkos in ${Kokkos_DIR} was built for ${Kokkos_DEVICES}, which does not fit "
                         "RA2D_BACKEND = ${RA2D_BACKEND}. Name another backend with -DRA2D_BACKEND=..., name another Kokkos "
                         "with -DKokkos_ROOT=..., or have one built here with -DCMAKE_DISABLE_FIND_PACKAGE_Kokkos=ON")
@@ -52,6 +57,12 @@ elseif(kokkos_by_name)
 endif()
 if(NOT Kokkos_FOUND)
   include(FetchKokkos)
+endif()
+
+# a GPU whose threads work in warps (kernels/warp.hpp)
+set(RA2D_WARPS OFF)
+if(Kokkos_ENABLE_CUDA OR Kokkos_ENABLE_HIP)
+  set(RA2D_WARPS ON)
 endif()
 
 find_package(Threads REQUIRED)

@@ -55,6 +55,9 @@ endif()
 set(Kokkos_ENABLE_SERIAL ON CACHE BOOL "")
 if(RA2D_BACKEND STREQUAL "OpenMP")
   set(Kokkos_ENABLE_OPENMP ON CACHE BOOL "")
+elseif(RA2D_BACKEND STREQUAL "HIP")  # Kokkos asks the machine for its GPU where nobody names one
+  set(Kokkos_ENABLE_HIP ON CACHE BOOL "")
+  set(Kokkos_ENABLE_ROCTHRUST OFF CACHE BOOL "")  # for sorting
 elseif(RA2D_BACKEND STREQUAL "CUDA")
   set(Kokkos_ENABLE_CUDA ON CACHE BOOL "")
   # Hopper, unless the user names another: -DKokkos_ARCH_AMPERE80=ON. Also when the build folder is
@@ -93,7 +96,7 @@ endif()
 FetchContent_Declare(Kokkos SYSTEM  # first: CMake 3.25 takes it for a value elsewhere
   ${source} DOWNLOAD_EXTRACT_TIMESTAMP ON OVERRIDE_FIND_PACKAGE)
 message(STATUS "Kokkos: building ${version} (${RA2D_BACKEND})")
-if(RA2D_BACKEND STREQUAL "CUDA")
+if(RA2D_BACKEND MATCHES "^(CUDA|HIP)$")
   FetchContent_MakeAvailable(Kokkos)
 else()
   # Kokkos installs scripts that drive nvcc, and has no switch for it. Here nobody needs them: they

@@ -44,7 +44,7 @@ install(FILES bench/accuracy.png DESTINATION ${CMAKE_INSTALL_DOCDIR}/bench ${run
 # Manual pages and completions, written by the program itself.
 set(manuals ${PROJECT_BINARY_DIR}/manuals)
 set(write_manuals COMMAND ra2d --write-manuals ${manuals} ${PROJECT_SOURCE_DIR}/docs/scene.md)
-if(Kokkos_ENABLE_CUDA)  # where there is no driver of a card, the program does not start
+if(RA2D_WARPS)  # where there is no driver of a card, the program does not start
   set(write_manuals COMMAND $<TARGET_FILE:ra2d> --write-manuals ${manuals} ${PROJECT_SOURCE_DIR}/docs/scene.md
       || ${CMAKE_COMMAND} -E echo "ra2d does not start here: there are no manual pages")
 endif()

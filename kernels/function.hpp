@@ -2,6 +2,11 @@
 #pragma once
 #include <Kokkos_Core.hpp>
 
+/// A build for a GPU whose threads work in warps (kernels/warp.hpp).
+#if defined(KOKKOS_ENABLE_CUDA) || defined(KOKKOS_ENABLE_HIP)
+#define RA2D_WARPS
+#endif
+
 /// Marks a member function of a march, or a function template that one calls: a KOKKOS_FUNCTION
 /// that device compilers always inline. Inlining keeps the parts of a march in registers. If a
 /// single call is handed the address of one, all of it stays in memory, and each access to a table

@@ -6,9 +6,10 @@
 
 #include "kernels/function.hpp"
 #include "kernels/limits.hpp"
+#include "kernels/warp.hpp"
 
-// under nvcc Kokkos' packs hold one value
-#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON) && !defined(__CUDACC__)
+// for a GPU Kokkos' packs hold one value
+#if defined(__AVX512F__) && defined(KOKKOS_ARCH_AVX512XEON) && !defined(RA2D_WARPS)
 #define RA2D_AVX512
 #endif
 
@@ -137,7 +138,7 @@ struct HostLanes {
   static void prefetch(const double* p) { __builtin_prefetch(p); }
 };
 
-#if defined(KOKKOS_ENABLE_CUDA)
+#if defined(RA2D_WARPS)
 /// Lanes of a GPU team: the threads of a warp, or of a half, quarter or eighth of one. Kokkos' own
 /// reductions over them are loops of as many rounds as a launch says, with branches in them; these
 /// are a shuffle a round. On the host it compiles and is never called.
@@ -146,10 +147,9 @@ struct WarpLanes {
   using Real = double;
   static constexpr int width = width_;
   static constexpr bool on_gpu = true;
-  static constexpr int warp = 32;
 
   int lane = 0;           // of the team
-  std::uint64_t end = 0;  // ns of nanoseconds()
+  std::uint64_t end = 0;  // of warp::clock()
 
   /// For a march that is to end by then, of a block of (width, teams) threads.
   RA2D_FUNCTION explicit WarpLanes(std::uint64_t end_) : end{end_} {
@@ -167,10 +167,10 @@ struct WarpLanes {
   /// exchanges instead of ten.
   RA2D_FUNCTION void sum(Real x, Real y, double& of_x, double& of_y) const {
     const bool second = lane >= width / 2;
-    const double given = across(second ? x : y, width / 2);
+    const double given = warp::across<width>(second ? x : y, width / 2);
     const double half =
         joined<width / 4>((second ? y : x) + given, [](double a, double b) { return a + b; });
-    const double other = across(half, width / 2);
+    const double other = warp::across<width>(half, width / 2);
     of_x = second ? other : half;
     of_y = second ? half : other;
   }
@@ -182,67 +182,29 @@ struct WarpLanes {
   /// The smallest of four, of each in the same way; of 0 and -0 either.
   RA2D_FUNCTION void minima(const Real (&x)[4], double (&of)[4]) const { spread(x, of, less); }
   RA2D_FUNCTION double min(Real x) const {
-    return of_lane(0, joined<width / 2>(x, less));  // of 0 and -0 each lane has its own
+    return warp::of_lane<width>(0, joined<width / 2>(x, less));  // of 0 and -0 each has its own
   }
   RA2D_FUNCTION double max(Real x) const { return -min(-x); }
-  RA2D_FUNCTION Real next([[maybe_unused]] Real x) const {
-    KOKKOS_IF_ON_DEVICE((return __shfl_down_sync(members(), x, 1, width);))
-    KOKKOS_IF_ON_HOST((return x;))
-  }
-  RA2D_FUNCTION std::uint32_t at_least([[maybe_unused]] Real x,
-                                       [[maybe_unused]] double level) const {
-    KOKKOS_IF_ON_DEVICE((return (__ballot_sync(members(), level <= x) & members()) >> first();))
-    KOKKOS_IF_ON_HOST((return 0;))
+  RA2D_FUNCTION Real next(Real x) const { return warp::of_next<width>(x); }
+  RA2D_FUNCTION std::uint32_t at_least(Real x, double level) const {
+    return warp::ballot<width>(level <= x);
   }
   RA2D_FUNCTION bool leader() const { return lane == 0; }
   RA2D_FUNCTION static void prefetch(const double*) {}
-  /// Of the warps of the block that march on.
-  RA2D_FUNCTION void meet_scenes() const { KOKKOS_IF_ON_DEVICE((__syncthreads();)) }
-  /// Of the teams that share a warp: they go on together.
+  RA2D_FUNCTION void meet_scenes() const { warp::wait_for_block(); }
   RA2D_FUNCTION void meet_in_warp() const {
-    if constexpr (width < warp) KOKKOS_IF_ON_DEVICE((__syncthreads();))
+    if constexpr (width < warp::size) warp::wait_for_block();
   }
-  RA2D_FUNCTION void sync() const { KOKKOS_IF_ON_DEVICE((__syncwarp(members());)) }
-  RA2D_FUNCTION bool time_is_up() const {
-    KOKKOS_IF_ON_DEVICE((return (__ballot_sync(members(), end <= nanoseconds()) & members()) != 0;))
-    KOKKOS_IF_ON_HOST((return false;))
-  }
-  /// The GPU's clock.
-  RA2D_FUNCTION static std::uint64_t nanoseconds() {
-    std::uint64_t now = 0;
-#if defined(__CUDA_ARCH__)
-    asm volatile("mov.u64 %0, %globaltimer;" : "=l"(now)::"memory");
-#endif
-    return now;
-  }
+  RA2D_FUNCTION void sync() const { warp::sync<width>(); }
+  RA2D_FUNCTION bool time_is_up() const { return warp::ballot<width>(end <= warp::clock()) != 0; }
 
  private:
-  /// The first lane of this team in its warp.
-  RA2D_FUNCTION static std::uint32_t first() {
-    if constexpr (width < warp) KOKKOS_IF_ON_DEVICE((return threadIdx.y * width % warp;))
-    return 0;
-  }
-  /// One bit for each lane of the warp that is of this team.
-  RA2D_FUNCTION static std::uint32_t members() {
-    if constexpr (width == warp)
-      return 0xFFFFFFFF;
-    else
-      return ((1u << width) - 1u) << first();
-  }
-  RA2D_FUNCTION static double across(double x, [[maybe_unused]] int distance) {
-    KOKKOS_IF_ON_DEVICE((return __shfl_xor_sync(members(), x, distance, width);))
-    KOKKOS_IF_ON_HOST((return x;))
-  }
-  RA2D_FUNCTION static double of_lane([[maybe_unused]] int from, double x) {
-    KOKKOS_IF_ON_DEVICE((return __shfl_sync(members(), x, from, width);))
-    KOKKOS_IF_ON_HOST((return x;))
-  }
   RA2D_FUNCTION static double less(double x, double y) { return y < x ? y : x; }
   /// x of each lane with that of the lane `distance` away, then half as far away, down to one.
   template <int distance, class Operation>
   RA2D_FUNCTION static double joined(double x, const Operation& join) {
     if constexpr (distance > 0) {
-      return joined<distance / 2>(join(x, across(x, distance)), join);
+      return joined<distance / 2>(join(x, warp::across<width>(x, distance)), join);
     } else {
       return x;
     }
@@ -251,14 +213,14 @@ struct WarpLanes {
   RA2D_FUNCTION void spread(const Real (&x)[4], double (&of)[4], const Operation& join) const {
     constexpr int half = width / 2, quarter = width / 4;
     const bool in_half = (lane & half) != 0, in_quarter = (lane & quarter) != 0;
-    const double a = join(in_half ? x[1] : x[0], across(in_half ? x[0] : x[1], half)),
-                 b = join(in_half ? x[3] : x[2], across(in_half ? x[2] : x[3], half));
-    const double part =
-        joined<width / 8>(join(in_quarter ? b : a, across(in_quarter ? a : b, quarter)), join);
-    of[0] = of_lane(0, part);
-    of[1] = of_lane(half, part);
-    of[2] = of_lane(quarter, part);
-    of[3] = of_lane(half + quarter, part);
+    const double a = join(in_half ? x[1] : x[0], warp::across<width>(in_half ? x[0] : x[1], half)),
+                 b = join(in_half ? x[3] : x[2], warp::across<width>(in_half ? x[2] : x[3], half));
+    const double part = joined<width / 8>(
+        join(in_quarter ? b : a, warp::across<width>(in_quarter ? a : b, quarter)), join);
+    of[0] = warp::of_lane<width>(0, part);
+    of[1] = warp::of_lane<width>(half, part);
+    of[2] = warp::of_lane<width>(quarter, part);
+    of[3] = warp::of_lane<width>(half + quarter, part);
   }
 };
 #endif
@@ -270,9 +232,10 @@ struct LanesOf {
   static constexpr int width = HostLanes::width;
   static constexpr int vector_length = 1;
 };
-#if defined(KOKKOS_ENABLE_CUDA)
+#if defined(RA2D_WARPS)
+/// A build for a GPU has no marches on its host's spaces.
 template <>
-struct LanesOf<Kokkos::Cuda> {
+struct LanesOf<Kokkos::DefaultExecutionSpace> {
   template <int width_>
   using type = WarpLanes<width_>;
   static constexpr int width = 32;

@@ -9,6 +9,7 @@
 #include "kernels/lanes.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
+#include "kernels/warp.hpp"
 
 /// The launch: one team marches one scene.
 namespace ra2d {
@@ -41,6 +42,7 @@ RA2D_FUNCTION void march_scene(const Lanes& lanes, const SceneTables& tables, Sc
   publish<Lanes, packs>(lanes, state.carried, state.out.now);
 }
 
+#if defined(RA2D_WARPS)
 /// A launch on a GPU: scenes of one form, a team of `Lanes` each, to their targets. Addresses of
 /// the device.
 template <class Space, class Lanes, Form form, int packs>
@@ -48,9 +50,10 @@ struct March {
   /// Scenes of a block. The instructions of `adaptive` do not fit in the caches of a multiprocessor
   /// (docs/gpu.md), so its scenes keep step with one another (AdaptiveMarch::enter): as many as the
   /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255.
-  static constexpr int most_in_block = form != Form::adaptive ? Lanes::warp / Lanes::width
-                                       : packs == 1           ? 16
-                                                              : 8;
+  static constexpr int most_in_block = form != Form::adaptive || !warp::teams_may_wait
+                                           ? warp::size / Lanes::width
+                                       : packs == 1 ? 16
+                                                    : 8;
   /// Blocks that a multiprocessor has room for. Twelve leave 168 registers to a thread: of what was
   /// measured on a card the fastest (docs/gpu.md).
   static constexpr int least_blocks =
@@ -64,19 +67,20 @@ struct March {
   const int* scenes;
   int count;
   const std::int64_t* targets;
-  std::uint64_t most;  // ns: what each may take
+  std::uint64_t most;  // ticks of the GPU's clock: what each may take
+  double tick;         // s
   double* seconds;     // out: what each took
 
   RA2D_FUNCTION void operator()(const Member& member) const {
     const int i = member.league_rank() * member.team_size() + member.team_rank();
     if (i >= count) return;
     const int scene = scenes[i];
-    const std::uint64_t begin = Lanes::nanoseconds();
+    const std::uint64_t begin = warp::clock();
     const Lanes lanes(begin + most);
     march_scene<Lanes, form, packs>(lanes, tables[scene], states[scene], targets[scene]);
-    const std::uint64_t end = Lanes::nanoseconds();
+    const std::uint64_t end = warp::clock();
     if (lanes.leader())
-      seconds[scene] = end > begin ? 1e-9 * static_cast<double>(end - begin) : 0.0;
+      seconds[scene] = end > begin ? tick * static_cast<double>(end - begin) : 0.0;
   }
   /// Before a block has more scenes than one, the multiprocessors have all their blocks.
   void launch(const Space& space, int multiprocessors) const {
@@ -87,5 +91,6 @@ struct March {
                          *this);
   }
 };
+#endif
 
 }  // namespace ra2d

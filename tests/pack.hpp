@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "kernels/function.hpp"
 #include "tests/reductions.hpp"
 
 /// Lanes on one thread that are nothing but doubles. To be included before any kernel: these call
@@ -14,7 +15,7 @@ namespace ra2d::test {
 
 #if defined(RA2D_TEST_PACK_WIDTH)
 inline constexpr int pack_width = RA2D_TEST_PACK_WIDTH;
-#elif defined(KOKKOS_ENABLE_CUDA)  // as wide as those that march here
+#elif defined(RA2D_WARPS)  // as wide as those that march here
 inline constexpr int pack_width = warp_width;
 #else
 inline constexpr int pack_width = static_cast<int>(Kokkos::Experimental::simd<double>::size());

@@ -89,8 +89,10 @@ void side_by_side(int count, const std::function<void(int)>& work) {
 }
 
 std::string arithmetic() {
-#if defined(__CUDACC__)
+#if defined(KOKKOS_ENABLE_CUDA)
   const std::string set = "cuda";
+#elif defined(KOKKOS_ENABLE_HIP)
+  const std::string set = "hip";
 #elif defined(__AVX512F__)
   const std::string set = "avx512";
 #elif defined(__AVX2__) && defined(__FMA__)

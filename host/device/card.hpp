@@ -5,8 +5,8 @@
 
 #include "host/device/launch.hpp"
 
-/// All that Kokkos cannot say of a GPU or do with it. Each make that is known has a file of its own
-/// (card_cuda.cpp); card_default.cpp serves all others, and the CPU.
+/// All that Kokkos cannot say of a GPU or do with it: of NVIDIA's and AMD's in card_gpu.cpp;
+/// card_default.cpp serves all others, and the CPU.
 namespace ra2d::card {
 
 /// Throws RequestError where there is no GPU of this number. A number less than 0 stands for any.
@@ -15,13 +15,17 @@ void require(int device);
 /// Once it has been.
 void begin();
 
+/// The command that shows what its memory is used for; empty where it is not known.
+std::string monitor();
 /// How it is called in reports.
 std::string name();
 /// Bytes that are free now; 0 where nobody can say.
 std::size_t free_memory();
 /// Processors with caches of their own that it has; 1 where nobody can say.
 int multiprocessors();
-/// Scenes, a warp each, that it marches at one moment.
+/// s, of the clock that its threads read (warp::clock); 1 where they have none.
+double tick();
+/// Scenes, a team as wide as LanesOf each, that it marches at one moment.
 int scenes_at_once();
 /// Returns when all work of an instance is done, without a core of the host in the meantime if it
 /// can. Throws std::runtime_error with what the driver says.

@@ -19,6 +19,8 @@ void require(int device) {
 
 void begin() {}
 
+std::string monitor() { return {}; }
+
 std::string name() {
   return std::string(Space::name()) +
          (marches_on_gpu ? " " + std::to_string(Kokkos::device_id()) : "");
@@ -27,6 +29,7 @@ std::string name() {
 std::size_t free_memory() { return 0; }
 
 int multiprocessors() { return 1; }
+double tick() { return 1.0; }
 
 int scenes_at_once() { return std::max(1, Space().concurrency() / LanesOf<Space>::vector_length); }
 

@@ -24,6 +24,7 @@ struct ScenesToMarch {
   const std::int64_t* targets = nullptr;
   double most_seconds = 1e9;  // what each may take, where the lanes have a clock
   double* seconds = nullptr;  // out: what each took
+  double tick = 1e-9;         // s, of their clock
   int multiprocessors = 1;    // that the device has
 };
 

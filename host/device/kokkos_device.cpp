@@ -47,7 +47,8 @@ class SpareInstances {
     constexpr std::size_t needed = 4 << 20;  // bytes
     if (const std::size_t left = card::free_memory(); left > 0 && left < needed)
       throw std::runtime_error("the GPU has " + std::to_string(left >> 20) +
-                               " MB of memory left: others have the rest ('nvidia-smi')");
+                               " MB of memory left: others have the rest ('" + card::monitor() +
+                               "')");
     auto [own] = Kokkos::Experimental::partition_space(Space(), 1);
     return std::make_unique<Space>(std::move(own));
   }
@@ -104,6 +105,7 @@ class KokkosQueue : public DeviceQueue {
     give([&] {
       ScenesToMarch here = scenes;
       here.multiprocessors = card::multiprocessors();
+      here.tick = card::tick();
       launch_march(*instance_, here);
       // Kokkos does not ask. Memory that a launch lacks is none that fewer scenes would leave.
       require_no_fault(*instance_);

@@ -39,7 +39,7 @@ TeamShape compiled_shape(Form form, int modes) {
   return shape;
 }
 
-#if defined(KOKKOS_ENABLE_CUDA)
+#if defined(RA2D_WARPS)
 void launch_march(const Space& space, const ScenesToMarch& scenes) {
   choose(scenes.form, scenes.shape,
          [&]<Form f, TeamShape S>() { march_listed<f, S>(space, scenes); });

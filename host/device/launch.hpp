@@ -48,7 +48,7 @@ using WholeTeams = ShapeList<TeamShape{LanesOf<Space>::width, packs}...>;
 #if defined(RA2D_ONE_MARCH)
 template <Form form>
 using Shapes = WholeTeams<most_modes / LanesOf<Space>::width>;
-#elif defined(KOKKOS_ENABLE_CUDA)
+#elif defined(RA2D_WARPS)
 /// The steps of Form::semi_implicit are so short that much of them is work of one lane: four scenes
 /// share a warp (docs/gpu.md).
 template <Form form>

@@ -5,14 +5,14 @@
 
 namespace ra2d {
 
-#if defined(KOKKOS_ENABLE_CUDA)
+#if defined(RA2D_WARPS)
 template <Form form, TeamShape shape>
 void march_listed(const Space& space, const ScenesToMarch& l) {
   using Lanes = LanesOf<Space>::type<shape.width>;
   March<Space, Lanes, form, shape.packs>{
       l.tables, l.states,  l.scenes,
-      l.count,  l.targets, static_cast<std::uint64_t>(1e9 * l.most_seconds),
-      l.seconds}
+      l.count,  l.targets, static_cast<std::uint64_t>(l.most_seconds / l.tick),
+      l.tick,   l.seconds}
       .launch(space, l.multiprocessors);
 }
 /// Compiles the march of one form for the i-th shape.

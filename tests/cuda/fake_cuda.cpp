@@ -260,6 +260,7 @@ struct LaunchedMarch {
   int count;
   const std::int64_t* targets;
   std::uint64_t most;
+  double tick;
   double* seconds;
 
   void operator()() const {

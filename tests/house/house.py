@@ -30,7 +30,7 @@ IN_SCENES = ["kernels/nodes.hpp", "kernels/schemes/mode_step.hpp"]
 OF_FILES = ["result", "store", "analysis"]
 KNOW_KOKKOS = ("bench/chain.cpp", "tests/cuda/", "tests/install/", "tests/kernels/", "tests/ptx/",
                "tests/warp/")
-KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "lanes",
+KERNELS = ["check", "function", "limits", "nodes", "schemes", "tables", "state", "warp", "lanes",
            "displacement", "gap", "place", "footprint",
            "group_sweep", "candidate_groups", "candidates", "shocks", "contact", "fixed",
            "adaptive", "march"]

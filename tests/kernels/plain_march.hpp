@@ -14,7 +14,7 @@ static_assert(pack_width == LanesOf<Space>::width);
 
 /// Numbers of packs that are compared: a few, so that sums go over several; and of a warp one,
 /// which is enough for the paper's scenes.
-#if defined(KOKKOS_ENABLE_CUDA)
+#if defined(RA2D_WARPS)
 inline constexpr std::array plain_packs{1, 2};
 #else
 inline constexpr std::array plain_packs{Shapes<Form::staged>::at(1).packs};
