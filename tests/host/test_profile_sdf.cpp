@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -245,6 +246,25 @@ TEST_F(ProfileSdf, EverySpoiltByteIsReadOrRefused) {
         if (i < text.size()) spoilt += text.substr(i + 1);
         EXPECT_NO_THROW(fault(spoilt)) << i << ' ' << byte;
       }
+}
+
+TEST_F(ProfileSdf, HeightsThatNoFaceHasAreRefused) {
+  Binary b;
+  EXPECT_EQ(fault(b.with<double>(7, {0, 1e12 - 1, nan, 1}).text()), "no error");
+  std::string turned = b.with<double>(7, {0, 123.456, 654.321, 1}).text();  // to the other order
+  for (std::size_t i = turned.size() - 32; i < turned.size(); i += 8)
+    std::reverse(turned.begin() + static_cast<std::ptrdiff_t>(i),
+                 turned.begin() + static_cast<std::ptrdiff_t>(i + 8));
+  EXPECT_THAT(fault(turned), AllOf(HasSubstr("profile.txt: the heights span"),
+                                   HasSubstr("m, which no face does: the file is damaged")));
+  b.points = b.profiles = 2;
+  std::ofstream(file, std::ios::binary) << b.with<double>(7, {0, 1e200, nan, 1}).text();
+  try {
+    read_height_map(file, {});
+    ADD_FAILURE();
+  } catch (const RequestError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the heights span 1e+191 m, which no face does"));
+  }
 }
 
 // ---- whole maps
