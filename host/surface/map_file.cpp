@@ -82,7 +82,7 @@ HeightMap to_height_map(const std::filesystem::path& file, BareMap bare, const M
     refuse_map(file, fmt::format("the heights are in {} by the header, and in {} by --z-unit: mend "
                                  "the header, or drop the option",
                                  bare.unit->name, query.z_unit->name));
-  HeightMap map{bare.nx, bare.ny, 0, 0, std::move(bare.numbers), bare.has_end};
+  HeightMap map{bare.nx, bare.ny, 0, 0, std::move(bare.numbers), std::move(bare.doubt)};
   map.spacing = agreed_spacing(file, "--spacing", bare.spacing, query.spacing);
   map.spacing_y =
       agreed_spacing(file, "--spacing-y", bare.spacing_y,
@@ -131,7 +131,7 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
   remove_map_form(map, how.form);
   subtract_map_mean(map);
   if (doubts == nullptr) return;
-  if (!map.has_end) doubts->push_back(doubt_of_last_line(name));
+  if (!map.doubt.empty()) doubts->push_back(map.doubt);
   if (std::max(map.spacing, map.spacing_y) > widest_spacing)
     doubts->push_back(
         fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: was that meant in "

@@ -24,7 +24,7 @@ struct BareMap {
   std::vector<double> numbers;               // row after row, NaN where a point is missing
   std::optional<LengthUnit> unit;            // of the numbers
   std::optional<double> spacing, spacing_y;  // m
-  bool has_end = true;                       // of a text, as that of a profile
+  std::string doubt;                         // a sentence where something looks wrong in the file
 };
 
 /// The map of bare numbers with the user's options. Throws RequestError where the options disagree

@@ -162,13 +162,13 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
     if (lines.too_long()) refuse_long_row(file, lines.number());
     dialect.split(lines.text(), fields);
     if (fields.empty()) continue;
-    map.has_end = lines.has_end();
+    if (!lines.has_end()) map.doubt = doubt_of_last_line(file);
     std::string fault = add_row(dialect, fields, scratch, map.numbers);
     ++map.ny;
     if (map.ny > 1)
       require_map_size(file.string(), static_cast<double>(map.nx), static_cast<double>(map.ny));
     if (fault.empty()) continue;
-    if (!map.has_end) fault += " (the line has no end: was the file cut off here?)";
+    if (!lines.has_end()) fault += " (the line has no end: was the file cut off here?)";
     faults.push_back({lines.number(), std::move(fault)});
   }
   if (!faults.empty()) refuse(file, std::move(faults));

@@ -150,7 +150,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& given, const 
   const auto doubt = [&](const std::string& what) {
     if (!what.empty()) found.doubts.push_back(name + ": " + what);
   };
-  if (!profile.has_end) found.doubts.push_back(doubt_of_last_line(name));
+  if (!profile.doubt.empty()) found.doubts.push_back(profile.doubt);
   if (options.cutoff_s && *options.cutoff_s < profile.spacing)
     doubt(fmt::format("--cutoff-s {:g} is less than a step of the profile and changes nothing",
                       *options.cutoff_s));

@@ -194,7 +194,7 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
   const FilePreparation& how = spec.prepared;
   const Profile profile = prepare(how, file);
   const std::vector<double>& z = profile.heights;
-  if (doubts != nullptr && !profile.has_end) doubts->push_back(doubt_of_last_line(file.string()));
+  if (doubts != nullptr && !profile.doubt.empty()) doubts->push_back(profile.doubt);
   const bool keeps_tilt = how.form.empty() || to_form(how.form).degree < 1;
   if (keeps_tilt && how.filter != FaceFilter::gaussian) doubt_tilt(file, z, doubts);
   if (doubts != nullptr && how.cutoff_s && *how.cutoff_s < profile.spacing)

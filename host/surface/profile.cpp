@@ -110,8 +110,9 @@ void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points,
       file.string(), spacing, slope_of_nodes, 100 * (1 - slope_of_nodes / slope_of_points), step));
 }
 
-std::string doubt_of_last_line(const std::string& name) {
-  return name + ": the last line has no end: if the file was cut off there, its height is wrong";
+std::string doubt_of_last_line(const std::filesystem::path& file) {
+  return file.string() +
+         ": the last line has no end: if the file was cut off there, its height is wrong";
 }
 
 std::optional<double> to_fill_width(std::string_view text) {

@@ -15,7 +15,7 @@ struct Profile {
   double spacing = 0;           // m
   std::vector<double> heights;  // m, NaN where a point is missing
   std::string first_missing;    // "file:line"
-  bool has_end = true;          // of a text: the last line, which may be cut off where it has none
+  std::string doubt;            // a sentence where something looks wrong in the file
 
   double length() const { return static_cast<double>(heights.size() - 1) * spacing; }
   std::size_t missing() const;
@@ -67,8 +67,8 @@ constexpr double most_slope_lost = 0.05;
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
                       double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
 
-/// Doubt of a text whose last line has no end. `name` is the file's in messages.
-std::string doubt_of_last_line(const std::string& name);
+/// Doubt of a text that may be cut off in its last number: its last line has no end.
+std::string doubt_of_last_line(const std::filesystem::path& file);
 
 /// The width of `linear:WIDTH` [m]; nothing for another text.
 std::optional<double> to_fill_width(std::string_view text);

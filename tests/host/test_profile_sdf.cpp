@@ -248,6 +248,24 @@ TEST_F(ProfileSdf, EverySpoiltByteIsReadOrRefused) {
       }
 }
 
+TEST_F(ProfileSdf, WhatFollowsTheHeightsIsATextOrDoubted) {
+  Binary b;
+  const std::string whole = b.with<std::int16_t>(5, {1, 2, 3, 4, 300, 6}).text();  // 4 are counted
+  EXPECT_THAT(read(whole).doubt,
+              HasSubstr("profile.txt: 4 bytes that are no text follow the 4 by 1 heights"));
+  b.points = 6;
+  EXPECT_EQ(read(b.text()).doubt, "");
+  EXPECT_EQ(read(b.text() + "by us, 2026\r\n").doubt, "");
+  EXPECT_EQ(read(b.text() + std::string(100, '\0')).doubt, "");
+  b.points = 2;
+  b.profiles = 2;
+  std::ofstream(file, std::ios::binary) << b.text();
+  EXPECT_THAT(read_height_map(file, {}).doubt, HasSubstr("no text follow the 2 by 2 heights"));
+  EXPECT_THAT(read(ascii("1 2 3 42")).doubt, HasSubstr("the last line has no end"));
+  for (const char* end : {"\n", " ", "\r\n*\r\n", " *"})
+    EXPECT_EQ(read(ascii("1 2 3 42") + end).doubt, "");
+}
+
 TEST_F(ProfileSdf, HeightsThatNoFaceHasAreRefused) {
   Binary b;
   EXPECT_EQ(fault(b.with<double>(7, {0, 1e12 - 1, nan, 1}).text()), "no error");
