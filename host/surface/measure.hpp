@@ -68,7 +68,6 @@ void doubt_tilt(const std::filesystem::path& file, const std::vector<double>& he
 /// Fills gaps, takes the form off, filters (and then drops half a cutoff at each end) and measures
 /// the first sampling lengths of what is left. `name` is the profile's in messages. Throws
 /// RequestError where the options do not fit the profile.
-Measurement measure_profile(Profile profile, const MeasureOptions& options,
-                            const std::string& name);
+Measurement measure_profile(Profile profile, const MeasureOptions& given, const std::string& name);
 
 }  // namespace ra2d
