@@ -160,12 +160,13 @@ void write_profile(const GenerateRequest& request, const std::vector<double>& he
   file.publish();
 }
 
-/// Mean of a power of the heights, which have the mean 0.
-double moment(const std::vector<double>& heights, int power) {
+/// Mean of a power of the heights, which have the mean 0, divided by `unit`: of 1e-300 m the square
+/// alone is no double.
+double moment(const std::vector<double>& heights, double unit, int power) {
   double sum = 0;
   for (const double h : heights) {
-    double value = h;
-    for (int k = 1; k < power; ++k) value *= h;
+    double value = h / unit;
+    for (int k = 1; k < power; ++k) value *= h / unit;
     sum += value;
   }
   return sum / static_cast<double>(heights.size());
@@ -176,11 +177,11 @@ void print_profile(const GenerateRequest& request, const RandomProfile& profile,
   const auto line = [](const char* what, const std::string& value) {
     print("  {:<20}{}\n", what, value);
   };
-  const double rq = std::sqrt(moment(heights, 2));
+  const double rq = request.surface.rq * std::sqrt(moment(heights, request.surface.rq, 2));
   print("{} nodes, {:g} m apart\n", heights.size(), request.spacing);
   line("Rq", fmt::format("{:.4g} um", rq * 1e6));
-  line("skewness, kurtosis", fmt::format("{:.3f}, {:.3f}", moment(heights, 3) / std::pow(rq, 3),
-                                         moment(heights, 4) / std::pow(rq, 4)));
+  line("skewness, kurtosis",
+       fmt::format("{:.3f}, {:.3f}", moment(heights, rq, 3), moment(heights, rq, 4)));
   line("correlation", correlations.name(profile.correlation));
   if (profile.correlation != Correlation::self_affine)
     line("correlation length", fmt::format("{:.4g} um", profile.correlation_length * 1e6));

@@ -64,13 +64,15 @@ double mean_square(const HeightMap& map) {
 }
 
 /// Root mean square.
-double rms_slope_along(const HeightMap& map) {
+double map_slope(const HeightMap& map, bool along_y) {
+  const std::size_t step = along_y ? map.nx : 1;
   double squares = 0;
-  for (std::size_t i = 1; i < map.heights.size(); ++i)
-    if (i % map.nx != 0)
-      squares += (map.heights[i] - map.heights[i - 1]) * (map.heights[i] - map.heights[i - 1]);
-  const auto rises = static_cast<double>(map.heights.size() - map.ny);
-  return rises > 0 ? std::sqrt(squares / rises) / map.spacing : 0;
+  for (std::size_t i = step; i < map.heights.size(); ++i) {
+    const double rise = map.heights[i] - map.heights[i - step];
+    if (along_y || i % map.nx != 0) squares += rise * rise;
+  }
+  const auto rises = static_cast<double>(map.heights.size() - (along_y ? map.nx : map.ny));
+  return rises > 0 ? std::sqrt(squares / rises) / (along_y ? map.spacing_y : map.spacing) : 0;
 }
 
 }  // namespace
@@ -80,7 +82,7 @@ HeightMap to_height_map(const std::filesystem::path& file, BareMap bare, const M
     refuse_map(file, fmt::format("the heights are in {} by the header, and in {} by --z-unit: mend "
                                  "the header, or drop the option",
                                  bare.unit->name, query.z_unit->name));
-  HeightMap map{bare.nx, bare.ny, 0, 0, std::move(bare.numbers)};
+  HeightMap map{bare.nx, bare.ny, 0, 0, std::move(bare.numbers), std::move(bare.doubt)};
   map.spacing = agreed_spacing(file, "--spacing", bare.spacing, query.spacing);
   map.spacing_y =
       agreed_spacing(file, "--spacing-y", bare.spacing_y,
@@ -119,6 +121,7 @@ HeightMap read_height_map(const std::filesystem::path& file, const MapQuery& que
     }
   }
   if (map.missing() == map.heights.size()) refuse_map(file, "every height is missing");
+  require_possible_heights(file, map.heights);
   return map;
 }
 
@@ -128,17 +131,19 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
   remove_map_form(map, how.form);
   subtract_map_mean(map);
   if (doubts == nullptr) return;
+  if (!map.doubt.empty()) doubts->push_back(map.doubt);
   if (std::max(map.spacing, map.spacing_y) > widest_spacing)
     doubts->push_back(
         fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: was that meant in "
                     "metres?",
                     name, map.spacing, map.spacing_y));
-  if (const double slope = rms_slope_along(map); slope > usual_faces::steepest)
-    doubts->push_back(
-        fmt::format("{}: along x its slopes have a root mean square of {:.3g}, steeper than any "
-                    "face: are heights and spacings in their units (a profile, or a list of "
-                    "points, is no map)?",
-                    name, slope));
+  for (const bool along_y : {false, true})
+    if (const double slope = map_slope(map, along_y); slope > usual_faces::steepest)
+      doubts->push_back(
+          fmt::format("{}: along {} its slopes have a root mean square of {:.3g}, steeper than any "
+                      "face: are heights and spacings in their units (a profile, or a list of "
+                      "points, is no map)?",
+                      name, along_y ? 'y' : 'x', slope));
   if (how.form.degree >= 1) return;
   HeightMap level = map;
   remove_map_form(level, {1});

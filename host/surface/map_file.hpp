@@ -24,6 +24,7 @@ struct BareMap {
   std::vector<double> numbers;               // row after row, NaN where a point is missing
   std::optional<LengthUnit> unit;            // of the numbers
   std::optional<double> spacing, spacing_y;  // m
+  std::string doubt;                         // a sentence where something looks wrong in the file
 };
 
 /// The map of bare numbers with the user's options. Throws RequestError where the options disagree

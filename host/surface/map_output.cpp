@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <string_view>
 #include <vector>
 
 #include "host/surface/map_npy.hpp"
@@ -43,9 +44,10 @@ bool is_npy_name(const std::filesystem::path& file) { return file.extension() ==
 void write_height_map(const std::filesystem::path& file, const HeightMap& map,
                       const std::string& title) {
   const bool as_npy = is_npy_name(file);
-  std::string comment = title;  // without what makes entries of a header
+  std::string comment = title;  // without what makes entries and units of a header
   std::ranges::replace_if(
-      comment, [](char c) { return c == ',' || c == ';' || c == '='; }, ' ');
+      comment, [](char c) { return std::string_view(",;=()[]").find(c) != std::string_view::npos; },
+      ' ');
   PartialFile out(file);
   out.write(as_npy ? npy_header(map.ny, map.nx)
                    : fmt::format("# {}\n# z [m], a row of constant y in each line; spacing = {} m, "

@@ -162,6 +162,7 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
     if (lines.too_long()) refuse_long_row(file, lines.number());
     dialect.split(lines.text(), fields);
     if (fields.empty()) continue;
+    if (!lines.has_end()) map.doubt = doubt_of_last_line(file);
     std::string fault = add_row(dialect, fields, scratch, map.numbers);
     ++map.ny;
     if (map.ny > 1)

@@ -127,6 +127,13 @@ void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cut
   drop_ends(z, half);
 }
 
+void doubt_tilt(const std::filesystem::path& file, const std::vector<double>& heights,
+                std::vector<std::string>* doubts) {
+  if (doubts != nullptr && is_tilted(heights))
+    doubts->push_back(
+        fmt::format("{}: most of the height is tilt: try form = \"line\"", file.string()));
+}
+
 Measurement measure_profile(Profile profile, const MeasureOptions& given, const std::string& name) {
   MeasureOptions options = given;
   const bool filters = options.filter == ProfileFilter::gaussian;
@@ -143,6 +150,7 @@ Measurement measure_profile(Profile profile, const MeasureOptions& given, const 
   const auto doubt = [&](const std::string& what) {
     if (!what.empty()) found.doubts.push_back(name + ": " + what);
   };
+  if (!profile.doubt.empty()) found.doubts.push_back(profile.doubt);
   if (options.cutoff_s && *options.cutoff_s < profile.spacing)
     doubt(fmt::format("--cutoff-s {:g} is less than a step of the profile and changes nothing",
                       *options.cutoff_s));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,10 +61,13 @@ std::size_t fitting_filtered(std::size_t nodes, double spacing, double cutoff);
 void shape_profile(Profile& profile, ProfileForm form, std::optional<double> cutoff_s,
                    std::optional<double> cutoff);
 
+/// Says where most of the height of a face is tilt, which no form and no filter takes off.
+void doubt_tilt(const std::filesystem::path& file, const std::vector<double>& heights,
+                std::vector<std::string>* doubts);
+
 /// Fills gaps, takes the form off, filters (and then drops half a cutoff at each end) and measures
 /// the first sampling lengths of what is left. `name` is the profile's in messages. Throws
 /// RequestError where the options do not fit the profile.
-Measurement measure_profile(Profile profile, const MeasureOptions& options,
-                            const std::string& name);
+Measurement measure_profile(Profile profile, const MeasureOptions& given, const std::string& name);
 
 }  // namespace ra2d

@@ -191,8 +191,16 @@ bool needs_preparation(const SurfaceSpec& spec, const std::filesystem::path& fil
 std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem::path& file,
                                   int nodes, double length, double spacing, double thickness,
                                   std::vector<std::string>* doubts) {
-  const Profile profile = prepare(spec.prepared, file);
+  const FilePreparation& how = spec.prepared;
+  const Profile profile = prepare(how, file);
   const std::vector<double>& z = profile.heights;
+  if (doubts != nullptr && !profile.doubt.empty()) doubts->push_back(profile.doubt);
+  const bool keeps_tilt = how.form.empty() || to_form(how.form).degree < 1;
+  if (keeps_tilt && how.filter != FaceFilter::gaussian) doubt_tilt(file, z, doubts);
+  if (doubts != nullptr && how.cutoff_s && *how.cutoff_s < profile.spacing)
+    doubts->push_back(
+        fmt::format("{}: cutoff_s = {:g} is less than a step of the profile and changes nothing",
+                    file.string(), *how.cutoff_s));
   const std::size_t last = z.size() - 1;
   const auto count = static_cast<std::size_t>(nodes);
   const double needed = static_cast<double>(count - 1) * spacing, there = profile.length();
@@ -201,7 +209,7 @@ std::vector<double> prepared_face(const SurfaceSpec& spec, const std::filesystem
       std::abs(profile.spacing - spacing) * static_cast<double>(last) <= evenness * spacing;
   const double stride = same ? 1 : spacing / profile.spacing;
   const bool is_short = there < needed - evenness * spacing;
-  if (is_short && spec.prepared.when_short == ShortProfile::refuse)
+  if (is_short && how.when_short == ShortProfile::refuse)
     refuse_face(file, fmt::format("the profile is {:.10g} m long and the beam {:.10g} m; give a "
                                   "longer profile, or say short = \"repeat\"",
                                   there, length));

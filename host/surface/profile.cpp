@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "host/base/errors.hpp"
+#include "host/base/quiet_nan.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/profile_sdf.hpp"
 #include "host/surface/profile_text.hpp"
 #include "host/surface/profile_x3p.hpp"
+#include "host/surface/usual_faces.hpp"
 #include "host/system/input_file.hpp"
 
 namespace ra2d {
@@ -31,6 +33,22 @@ std::string_view other_format(std::string_view bytes) {
 /// The first bytes. Throws FileError.
 std::string beginning(const std::filesystem::path& file) {
   return InputFile(file, "the profile").beginning(4096);
+}
+
+Profile read_any_profile(const std::filesystem::path& file, const ProfileQuery& query) {
+  switch (format_of(file)) {
+    case ProfileFormat::sdf:
+      return read_profile_sdf(file, query);
+    case ProfileFormat::x3p:
+      return read_profile_x3p(file, query);
+    case ProfileFormat::text:
+      break;
+  }
+  require_text(file);
+  if (query.row)
+    throw RequestError(fmt::format("{}: --row {}: a text has columns and no rows: drop the option",
+                                   file.string(), *query.row));
+  return read_profile_text(file, query);
 }
 
 }  // namespace
@@ -62,20 +80,24 @@ void require_text(const std::filesystem::path& file) {
     throw RequestError(fmt::format("{}: the file is {}", file.string(), format));
 }
 
-Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
-  switch (format_of(file)) {
-    case ProfileFormat::sdf:
-      return read_profile_sdf(file, query);
-    case ProfileFormat::x3p:
-      return read_profile_x3p(file, query);
-    case ProfileFormat::text:
-      break;
+void require_possible_heights(const std::filesystem::path& file,
+                              const std::vector<double>& heights) {
+  double low = quiet_nan, high = quiet_nan;
+  for (const double z : heights) {
+    low = std::fmin(low, z);
+    high = std::fmax(high, z);
   }
-  require_text(file);
-  if (query.row)
-    throw RequestError(fmt::format("{}: --row {}: a text has columns and no rows: drop the option",
-                                   file.string(), *query.row));
-  return read_profile_text(file, query);
+  if (high - low > usual_faces::tallest)
+    throw RequestError(
+        fmt::format("{}: the heights span {:.3g} m, which no face does: the file is damaged, its "
+                    "bytes are in another order, or its unit or scale of z is wrong",
+                    file.string(), high - low));
+}
+
+Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query) {
+  Profile profile = read_any_profile(file, query);
+  require_possible_heights(file, profile.heights);
+  return profile;
 }
 
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
@@ -86,6 +108,11 @@ void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points,
       "points, {:.4g} m apart: shorter waves are cut. A scene.spacing nearer to the points shows "
       "them, cutoff_s takes them off on purpose",
       file.string(), spacing, slope_of_nodes, 100 * (1 - slope_of_nodes / slope_of_points), step));
+}
+
+std::string doubt_of_last_line(const std::filesystem::path& file) {
+  return file.string() +
+         ": the last line has no end: if the file was cut off there, its height is wrong";
 }
 
 std::optional<double> to_fill_width(std::string_view text) {

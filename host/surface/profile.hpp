@@ -15,6 +15,7 @@ struct Profile {
   double spacing = 0;           // m
   std::vector<double> heights;  // m, NaN where a point is missing
   std::string first_missing;    // "file:line"
+  std::string doubt;            // a sentence where something looks wrong in the file
 
   double length() const { return static_cast<double>(heights.size() - 1) * spacing; }
   std::size_t missing() const;
@@ -48,6 +49,11 @@ ProfileFormat format_of(const std::filesystem::path& file);
 /// none.
 void require_text(const std::filesystem::path& file);
 
+/// Throws RequestError for heights of a damaged file: they span more than any face. Those that are
+/// missing do not count.
+void require_possible_heights(const std::filesystem::path& file,
+                              const std::vector<double>& heights);
+
 /// Reads a file in the format that its content has. Throws RequestError, with file and line, for
 /// what cannot be understood and for units that are missing; FileError where it cannot be read.
 Profile read_measured_profile(const std::filesystem::path& file, const ProfileQuery& query);
@@ -60,6 +66,9 @@ constexpr double most_slope_lost = 0.05;
 /// [m] apart.
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
                       double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
+
+/// Doubt of a text that may be cut off in its last number: its last line has no end.
+std::string doubt_of_last_line(const std::filesystem::path& file);
 
 /// The width of `linear:WIDTH` [m]; nothing for another text.
 std::optional<double> to_fill_width(std::string_view text);

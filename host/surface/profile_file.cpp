@@ -15,6 +15,7 @@
 
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/surface/measure.hpp"
 #include "host/surface/profile.hpp"
 #include "host/surface/profile_lines.hpp"
 #include "host/surface/sum.hpp"
@@ -287,6 +288,13 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
         fmt::format("{}: x steps by {:.6g} m, {:.0f} nodes of the scene, between "
                     "which the face is straight: is x in metres?",
                     file.string(), step, step / spacing));
+
+  if (doubts != nullptr) {
+    std::vector<double> all;
+    all.reserve(points.size());
+    for (const ProfilePoint& point : points) all.push_back(point.z);
+    doubt_tilt(file, all, doubts);
+  }
 
   // equal spacings, as far as the digits show: the nodes are the points
   const bool same = std::abs(step - spacing) * static_cast<double>(points.size() - 1) <=

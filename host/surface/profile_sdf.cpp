@@ -112,6 +112,20 @@ SdfHeader binary_header(const char* bytes) {
   return header;
 }
 
+/// Doubt of what follows the heights, from byte `begin` on: the norm has a text there. Other bytes
+/// may be heights that a count of 16 bits was too small for; empty where there are none.
+std::string doubt_of_rest(const std::filesystem::path& file, const ProfileStream& stream,
+                          const SdfHeader& header, std::uint64_t begin) {
+  std::string rest(4096, '\0');
+  rest.resize(stream.file().read(begin, rest.data(), rest.size()));
+  rest.erase(rest.find_last_not_of('\0') + 1);
+  if (std::none_of(rest.begin(), rest.end(), [](unsigned char c) { return c < '\t'; })) return {};
+  return fmt::format(
+      "{}: {} bytes that are no text follow the {} by {} heights of the header: does "
+      "it count too few?",
+      file.string(), stream.size() - begin, header.points, header.profiles);
+}
+
 Profile read_binary(const std::filesystem::path& file, ProfileStream& stream,
                     const Choose& choose) {
   const std::uint64_t size = stream.size();
@@ -128,6 +142,7 @@ Profile read_binary(const std::filesystem::path& file, ProfileStream& stream,
                                  "off, or the header is wrong",
                                  header.points, header.profiles, needed, size));
   Profile profile;
+  profile.doubt = doubt_of_rest(file, stream, header, needed);
   profile.spacing = line.spacing;
   std::array<char, 8> number{};
   for (std::uint64_t i = 0; i < line.count; ++i) {
@@ -257,6 +272,7 @@ Profile read_text(const std::filesystem::path& file, std::istream& stream, const
                                    header.points, header.profiles,
                                    ended ? fmt::format("{}", place) : std::string("more")));
     const double stored = stored_number(file, word, place);
+    if (place + 1 == all && stream.eof()) profile.doubt = doubt_of_last_line(file);
     if (place != next || profile.heights.size() == line.count) continue;
     add(profile, file, height(file, header, stored, place), place);
     next += line.stride;
@@ -302,6 +318,7 @@ HeightMap read_map_sdf(const std::filesystem::path& file, const MapQuery& query)
     return whole_grid(file, "SDF", grid_of(header), query, map);
   });
   map.heights = std::move(points.heights);
+  map.doubt = std::move(points.doubt);
   return map;
 }
 

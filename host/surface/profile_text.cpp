@@ -318,6 +318,7 @@ Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery&
   if (columns.x)
     profile.spacing = (points.back().x - points.front().x) /
                       static_cast<double>(points.size() - 1) * (x_unit ? x_unit->metres : 1);
+  if (!read.has_end) profile.doubt = doubt_of_last_line(file);
   const double metres = z_unit ? z_unit->metres : 1;
   profile.heights.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -115,7 +115,8 @@ Axis read_axis(const Element& in) {
   axis.absolute = kind.text() == "A";
   if (!axis.absolute && kind.text() != "I") kind.refuse_value("expected A or I");
   const Element increment = axis.absolute ? in.child("Increment") : in.need("Increment");
-  if (increment.stands() && !increment.text().empty()) axis.increment = increment.number();
+  const bool is_given = increment.stands() && !increment.text().empty();
+  if (!axis.absolute || is_given) axis.increment = increment.number();
   if (!(axis.increment > 0)) increment.refuse_value("expected a length in metres, > 0");
   const Element offset = in.child("Offset");
   if (offset.stands() && !offset.text().empty()) axis.offset = offset.number();

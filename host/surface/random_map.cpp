@@ -333,7 +333,8 @@ HeightMap random_map(const RandomMap& map, double length, double width, double s
         fmt::format("rsm = {:g} m is more than {:.3g} times the length: the map "
                     "would be bent, not rough; lower rsm",
                     map.rsm, longest_wave * rsm_of_length));
-  require_map_size("the random map", nx ? static_cast<double>(*nx) : length / spacing + 1,
+  require_map_size("the random map",
+                   nx ? static_cast<double>(*nx) : std::floor(length / spacing + 1e-9) + 1,
                    map_rows(width, spacing_y));
   HeightMap out{nx ? *nx : static_cast<std::size_t>(node_count(length, spacing)),
                 static_cast<std::size_t>(map_rows(width, spacing_y)),

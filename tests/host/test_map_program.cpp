@@ -120,6 +120,32 @@ TEST_F(MapProgram, DoubtsSlopesThatNoFaceHas) {
   EXPECT_EQ(map.err, "");
   EXPECT_EQ(Json::parse(map.out)["spacing"], 1e-5);
   EXPECT_EQ(Json::parse(map.out)["spacing_y"], 2e-5);
+  std::ofstream(folder_.path() / "narrow.txt") << "# z [um], spacing = 10 um, spacing_y = 10 nm\n"
+                                                  "1 2 1\n2 3 2\n1 2 1\n";
+  const Ended narrow = run({"map", "narrow.txt"});
+  EXPECT_EQ(narrow.status, 0);
+  EXPECT_THAT(narrow.err, AllOf(HasSubstr("along y its slopes have a root mean square of 100,"),
+                                testing::Not(HasSubstr("along x"))));
+}
+
+TEST_F(MapProgram, DoubtsAFileThatMayBeCutOffInItsLastNumber) {
+  const std::string text = "# z [um], spacing = 10 um\n1.25 2.5 1.25\n2.5 1.25 2.5\n1.25 2.5 1.25";
+  for (const bool whole : {false, true}) {
+    std::ofstream(folder_.path() / "m.txt") << text << (whole ? "\n" : "");
+    const Ended map = run({"map", "m.txt"});
+    EXPECT_EQ(map.status, 0);
+    EXPECT_EQ(map.err.find("m.txt: the last line has no end") != map.err.npos, !whole) << map.err;
+  }
+}
+
+TEST_F(MapProgram, AConvertedMapIsReadWhateverItsFileWasCalled) {
+  std::ofstream(folder_.path() / "scan [nm], (mm).txt") << "# z [um], spacing = 10 um\n1 2\n2 1\n";
+  const Ended made = run({"map", "scan [nm], (mm).txt", "-o", "m.txt"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const Ended read = run({"map", "m.txt", "--json"});
+  ASSERT_EQ(read.status, 0) << read.err;
+  EXPECT_EQ(Json::parse(read.out)["spacing"], 1e-5);
+  EXPECT_DOUBLE_EQ(double(Json::parse(read.out)["parameters"]["Sq"]), 0.5e-6);
 }
 
 TEST_F(MapProgram, RefusesWithTheCure) {
@@ -142,6 +168,9 @@ TEST_F(MapProgram, RefusesWithTheCure) {
       {run(generate("new.txt"), {"--exact", "rq+rsm"}), "rq+rsm"},
       {run(generate("new.txt"), {"--correlation", "exponential"}), "gaussian"},
       {run(generate("new.txt"), {"--spacing-y", "2e-4"}), "not resolved"},
+      {run({"generate", "-o", "new.txt", "--length", "0.02", "--width", "1e-5", "--spacing", "2e-5",
+            "--rq", "1e-6", "--rsm", "1e-4"}),
+       "the random map: 1001 by 1 points"},
       {run({"generate", "-o", "new.npy", "--length", "0.002", "--spacing", "1e-5", "--rq", "1e-6",
             "--rsm", "2.5e-4"}),
        "--width"},

@@ -372,6 +372,15 @@ TEST_F(SurfaceMeasure, PrintsJsonInMetres) {
                          HasSubstr("\"sampling_lengths\": 1")));
 }
 
+TEST_F(SurfaceMeasure, DoubtsAFileThatMayBeCutOffInItsLastNumber) {
+  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.5\n0.2;1.25";
+  for (const bool whole : {false, true}) {
+    std::ofstream(folder.path() / "cut.txt") << text << (whole ? "\n" : "");
+    EXPECT_EQ(run({"cut.txt", "--filter", "none"}), 0);
+    EXPECT_EQ(err.find("cut.txt: the last line has no end") != err.npos, !whole) << err;
+  }
+}
+
 TEST_F(SurfaceMeasure, EndsWithWhatIsWrong) {
   EXPECT_EQ(run({}), 2);
   EXPECT_THAT(err, HasSubstr("FILE"));

@@ -269,6 +269,53 @@ TEST_F(PreparedFace, SaysWhatSlopeIsLostBetweenItsNodes) {
   }
 }
 
+TEST_F(PreparedFace, TiltIsDoubtedWhereNothingTakesItOff) {
+  const auto tilted = [](double x) { return 20 * x + std::sin(40 * x); };  // um, of mm
+  const auto says_tilt =
+      testing::ElementsAre(HasSubstr("profile: most of the height is tilt: try form = \"line\""));
+  write_mm_um(801, 0.01, tilted);
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, says_tilt);
+  how().form = "mean";
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, says_tilt);
+  how().form = "line";
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, IsEmpty());
+  how().form = {};
+  how().filter = FaceFilter::gaussian;
+  how().cutoff = 0.8e-3;
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, IsEmpty());
+  how() = {};  // two columns in metres
+  std::string metres;
+  for (int i = 0; i <= 800; ++i)
+    metres += fmt::format("{:.6f} {:.10f}\n", i * 1e-5, 1e-6 * tilted(i * 0.01));
+  write(metres);
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, says_tilt);
+}
+
+TEST_F(PreparedFace, AFilterThatChangesNothingIsDoubted) {
+  write_mm_um(801, 0.01, [](double x) { return std::sin(40 * x); });
+  how().cutoff_s = 1e-5;
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, IsEmpty());
+  how().cutoff_s = 8e-9;
+  face(6e-3, 1e-5);
+  EXPECT_THAT(doubts, testing::ElementsAre(HasSubstr("cutoff_s = 8e-09 is less than a step")));
+}
+
+TEST_F(PreparedFace, AFileThatMayBeCutOffInItsLastNumberIsDoubted) {
+  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.5\n0.2;1.25";
+  write(text);
+  face(2e-4, 1e-4);
+  EXPECT_THAT(doubts, testing::ElementsAre(HasSubstr("profile: the last line has no end")));
+  write(text + '\n');
+  face(2e-4, 1e-4);
+  EXPECT_THAT(doubts, IsEmpty());
+}
+
 TEST(RepeatedProfileSeam, GoesFromTheLastHeightToTheFirst) {
   std::vector<double> z(101);
   for (std::size_t i = 0; i < z.size(); ++i) z[i] = i < 50 ? -1 : 1;

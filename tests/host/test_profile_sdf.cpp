@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -245,6 +246,43 @@ TEST_F(ProfileSdf, EverySpoiltByteIsReadOrRefused) {
         if (i < text.size()) spoilt += text.substr(i + 1);
         EXPECT_NO_THROW(fault(spoilt)) << i << ' ' << byte;
       }
+}
+
+TEST_F(ProfileSdf, WhatFollowsTheHeightsIsATextOrDoubted) {
+  Binary b;
+  const std::string whole = b.with<std::int16_t>(5, {1, 2, 3, 4, 300, 6}).text();  // 4 are counted
+  EXPECT_THAT(read(whole).doubt,
+              HasSubstr("profile.txt: 4 bytes that are no text follow the 4 by 1 heights"));
+  b.points = 6;
+  EXPECT_EQ(read(b.text()).doubt, "");
+  EXPECT_EQ(read(b.text() + "by us, 2026\r\n").doubt, "");
+  EXPECT_EQ(read(b.text() + std::string(100, '\0')).doubt, "");
+  b.points = 2;
+  b.profiles = 2;
+  std::ofstream(file, std::ios::binary) << b.text();
+  EXPECT_THAT(read_height_map(file, {}).doubt, HasSubstr("no text follow the 2 by 2 heights"));
+  EXPECT_THAT(read(ascii("1 2 3 42")).doubt, HasSubstr("the last line has no end"));
+  for (const char* end : {"\n", " ", "\r\n*\r\n", " *"})
+    EXPECT_EQ(read(ascii("1 2 3 42") + end).doubt, "");
+}
+
+TEST_F(ProfileSdf, HeightsThatNoFaceHasAreRefused) {
+  Binary b;
+  EXPECT_EQ(fault(b.with<double>(7, {0, 1e12 - 1, nan, 1}).text()), "no error");
+  std::string turned = b.with<double>(7, {0, 123.456, 654.321, 1}).text();  // to the other order
+  for (std::size_t i = turned.size() - 32; i < turned.size(); i += 8)
+    std::reverse(turned.begin() + static_cast<std::ptrdiff_t>(i),
+                 turned.begin() + static_cast<std::ptrdiff_t>(i + 8));
+  EXPECT_THAT(fault(turned), AllOf(HasSubstr("profile.txt: the heights span"),
+                                   HasSubstr("m, which no face does: the file is damaged")));
+  b.points = b.profiles = 2;
+  std::ofstream(file, std::ios::binary) << b.with<double>(7, {0, 1e200, nan, 1}).text();
+  try {
+    read_height_map(file, {});
+    ADD_FAILURE();
+  } catch (const RequestError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the heights span 1e+191 m, which no face does"));
+  }
 }
 
 // ---- whole maps

@@ -285,6 +285,10 @@ TEST_F(ProfileX3p, DocumentsAtFault) {
                   "<CX><AxisType>I</AxisType><Increment>0</Increment></CX>" + even_y + z_axis("I"),
                   matrix(3) + link(data))),
               HasSubstr("CX/Increment = \"0\": expected a length"));
+  EXPECT_THAT(
+      with(document("<CX><AxisType>I</AxisType><Increment/></CX>" + even_y + z_axis("I", in_nm),
+                    matrix(3) + link(data))),
+      HasSubstr("CX/Increment = \"\": expected a number"));
   EXPECT_THAT(with(document(axes + "<Rotation><r11>0</r11></Rotation>", matrix(3) + link(data))),
               HasSubstr("rotated"));
   const std::string infinite = bytes_of<double>({1, std::numeric_limits<double>::infinity(), 3});

@@ -627,6 +627,20 @@ TEST_F(Program, GeneratesPlacesAsInstrumentsWriteThem) {
   }
 }
 
+TEST_F(Program, DescribesAGeneratedProfileOfAnyHeight) {
+  const auto moments_of = [&](const char* rq) {
+    EXPECT_EQ(run({"surface", "generate", "-o", "rough.csv", "--length", "0.02", "--spacing",
+                   "2e-5", "--rq", rq, "--rsm", "1e-3"}),
+              0)
+        << err_;
+    const std::size_t at = out_.find("skewness");
+    return out_.substr(at, out_.find('\n', at) - at);
+  };
+  const std::string usual = moments_of("1e-6");
+  EXPECT_EQ(moments_of("1e-300"), usual);  // of which no square is a double
+  EXPECT_THAT(out_, HasSubstr("Rq                  1e-294 um"));
+}
+
 TEST_F(Program, GeneratesNothingThatDoesNotFitTogether) {
   const auto with = [&](std::vector<std::string> more) {
     std::vector<std::string> words{"surface", "generate",  "-o",   "rough.csv", "--length",

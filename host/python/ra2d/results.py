@@ -100,7 +100,7 @@ class Result:
     """A result of `ra2d run`: one HDF5 file. Opening reads nothing but its header; each property
     reads what it shows. A file that has been replaced since then is an error.
 
-    - `title`: the scene's name
+    - `title`: the scene's name, that of the file where it has none
     - `complete`: False where the run was cut short; `attrs["ended"]` says why
     - `attrs`: the attributes of the file, as docs/results.md lists them
 
@@ -126,7 +126,7 @@ class Result:
             self._scene = toml.parse(str(self.attrs["scene"]))
             # as programs wrote it whose faces were linear by default
             self._scene["scene"].setdefault("faces", "linear")
-            self.title = str(self._scene["scene"].get("name", self.path.stem))  # the scene's name
+            self.title = str(self._scene["scene"].get("name") or self.path.stem)
             # False: cut short; attrs["ended"] says why
             self.complete = bool(self.attrs["complete"])
             self._counted_from = float(self._scene.get("output", {}).get("from", 0.0))

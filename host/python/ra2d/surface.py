@@ -137,15 +137,19 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
     True
     """
     try:
+        if np.iscomplexobj(heights):
+            raise TypeError("complex numbers are none")
+        # asarray drops a mask, and takes what stands behind it for heights
+        if isinstance(heights, np.ma.MaskedArray) and np.any(heights.mask):
+            raise TypeError("some are masked; fill them first")
         z = np.asarray(heights, dtype=float)
     except (TypeError, ValueError) as fault:
         raise RequestError(f"a face is a row of heights in metres: {fault}") from fault
     if z.ndim not in (1, 2) or min(z.shape) < 2 or not np.isfinite(z).all():
         raise RequestError(
             "a face is a row of at least two finite heights in metres, or rows of them, not an "
-            "array of "
-                           f"shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that "
-                           "are not finite")
+            f"array of shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that are "
+            "not finite")
     for name, value in (("spacing", spacing), ("spacing_y", spacing_y)):
         if value is not None and not (isinstance(value, int | float | np.number)
                                       and 0 < value < np.inf):

@@ -185,6 +185,8 @@ def test_arrays_are_maps(areal, folder):
     for refused in (lambda: ra2d.surface.array(z, 50e-6, spacing_y=0),
                     lambda: ra2d.surface.array(z[0], 50e-6, spacing_y=1e-4),
                     lambda: ra2d.surface.array(z[:1], 50e-6),
+                    lambda: ra2d.surface.array(np.ma.masked_greater(z, z.mean()), 50e-6),
+                    lambda: ra2d.surface.array(z * 1j, 50e-6),
                     lambda: ra2d.surface.array(z, 50e-6, folder / "face.csv"),
                     lambda: face.heights(0.004, 50e-6)):
         with pytest.raises(ra2d.RequestError):

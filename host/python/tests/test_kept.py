@@ -39,6 +39,12 @@ def test_a_zoom_has_the_shock(base, folder):
         whole.zoom(2)
 
 
+def test_a_result_without_a_name_is_called_after_its_file(base, folder):
+    short = base.change({"scene.duration": 0.001, "scene.name": ""})
+    program.call("run", short.file(folder), *short.options(), "-o", folder / "nameless.h5")
+    assert ra2d.load(folder / "nameless.h5").title == "nameless"
+
+
 def test_a_window_of_another_run_is_refused(base, folder):
     short = base.change({"scene.duration": 0.02, "output.probes": [0.1]})
 
