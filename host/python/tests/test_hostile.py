@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
@@ -326,6 +327,20 @@ def test_wrong_parts_of_a_result(small, monkeypatch):
     monkeypatch.setattr("os.sysconf", lambda name: 1000)
     with pytest.raises(ra2d.RequestError, match="ask for a shorter time"):
         small.field(slice(None))
+
+
+def test_threads_write_into_one_folder(tmp_path, monkeypatch):
+    """Each its own file: a face of one thread had the heights of another."""
+    both, write = threading.Barrier(2, timeout=20), pathlib.Path.write_bytes
+
+    def write_and_wait(path, data):
+        write(path, data)
+        both.wait()
+
+    monkeypatch.setattr(pathlib.Path, "write_bytes", write_and_wait)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda name: files.write(tmp_path / name, name), "ab"))
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a": "a", "b": "b"}
 
 
 def test_sounds_and_pictures_that_cannot_be(small):
