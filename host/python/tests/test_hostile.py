@@ -357,10 +357,19 @@ def test_sounds_and_pictures_that_cannot_be(small):
 def test_heights_that_are_none():
     for heights, spacing, words in ((["a", "b"], 1e-6, "row of heights"),
                                     ([0, 1j], 1e-6, "row of heights"),
+                                    (np.array([0, 1j]), 1e-6, "complex"),
+                                    (np.ma.masked_greater([0, 1e-6, 5.0], 1), 1e-6, "masked"),
                                     ([0, 1e-6], "a", "spacing is 'a'"),
                                     ([0, 1e-6], np.inf, "spacing is inf")):
         with pytest.raises(ra2d.RequestError, match=words):
             ra2d.surface.array(heights, spacing)
+    face = ra2d.surface.gaussian(rq=1e-6, rsm=1e-3, seed=1)
+    for sizes, words in (({"width": 0}, "width is 0: expected a number > 0"),
+                         ({"width": 0.001, "spacing_y": 0}, "spacing_y is 0"),
+                         ({"spacing": "8 um"}, "spacing is '8 um'"),
+                         ({"spacing_y": 1e-4}, "give its width, too")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            face.heights(**{"length": 0.01, "spacing": 1e-4, **sizes})
 
 
 def test_a_table_that_is_damaged(tmp_path):
