@@ -71,8 +71,23 @@ def _require_within(time: Any, samples: xr.DataArray) -> None:
         raise RequestError(f"time is {time!r}: expected numbers (s), or a slice of two") from fault
     half = float(samples[1] - samples[0]) / 2 if samples.size > 1 else math.inf
     low, high = float(samples[0]), float(samples[-1])
-    if not ((times >= low - half) & (times <= high + half)).all():
+    if not times.size or not ((times >= low - half) & (times <= high + half)).all():
         raise RequestError(f"time is {time!r}: the samples go from {low:g} to {high:g} s")
+
+
+def _numbers(time: slice, samples: xr.DataArray) -> slice:
+    """A slice of times, in which there are samples."""
+    try:
+        ends = [None if end is None else float(end) for end in (time.start, time.stop)]
+    except (TypeError, ValueError) as fault:
+        raise RequestError(f"time is {time!r}: expected a slice of two numbers (s)") from fault
+    if time.step is not None:
+        raise RequestError(f"time is {time!r}: expected a slice of two numbers (s), without a step")
+    found = slice(*ends)
+    if not samples.sel(time=found).size:
+        raise RequestError(f"time is {time!r}: there is no sample, they go from "
+                           f"{float(samples[0]):g} to {float(samples[-1]):g} s")
+    return found
 
 
 def _require_room(times: int, places: int) -> None:
@@ -447,7 +462,9 @@ class Result:
         if series.dtype.kind != "f" or not (np.diff(modes.time.values) > 0).all():
             raise FileError(f"{str(self.path)!r} is damaged: its times do not rise, or its {what} "
                             "is no series of numbers. 'ra2d check' says what of it is damaged")
-        if not isinstance(time, slice):
+        if isinstance(time, slice):
+            time = _numbers(time, modes.time)
+        else:
             _require_within(time, modes.time)
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
         across = modes.sizes["y"] if self.is_areal else 1

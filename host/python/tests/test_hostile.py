@@ -322,6 +322,12 @@ def test_wrong_parts_of_a_result(small, monkeypatch):
     for time_ in (99.0, -1.0, float("nan"), [0.001, 0.02]):
         with pytest.raises(ra2d.RequestError, match="the samples go from 0 to 0.01 s"):
             small.field(time_)
+    for time_ in (slice(0.002, 0.001), slice(5, 6), slice(float("nan"), None)):
+        with pytest.raises(ra2d.RequestError, match="there is no sample, they go from 0 to 0.01 s"):
+            small.field(time_)
+    for time_ in (slice("a", "b"), slice(0, 0.01, 10)):
+        with pytest.raises(ra2d.RequestError, match="expected a slice of two numbers"):
+            small.field(time_)
     with pytest.raises(ra2d.RequestError, match="expected numbers"):
         small.field("now")
     monkeypatch.setattr("os.sysconf", lambda name: 1000)
