@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 
 
 class Error(Exception):
@@ -46,15 +47,20 @@ _IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"), (r"--(force|fresh
               (r"--checkpoint\b", "checkpoint=..."))
 _MORE_HELP = "\nRun with --help for more information."
 
+_CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
+
 BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: FileError,
                                      5: OutOfTime}
 
 
 def error_of(status: int, message: str) -> Error:
-    """The exception for an exit status of the program (a negative one: killed by that signal)."""
+    """The exception for an exit status of the program (128 + n: signal n ended it)."""
     message = _for_python(message)
     if status in BY_STATUS:
         return BY_STATUS[status](message)
+    if status - 128 in _CRASHES:
+        return ProgramError(f"ra2d crashed: {signal.strsignal(status - 128)}"
+                            + (f". Its last words: {message}" if message else ""))
     if status > 128:
         return Interrupted(message or f"signal {status - 128} ended the program")
     return ProgramError(f"ra2d ended with status {status}: {message or 'it said nothing'}")

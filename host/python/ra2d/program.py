@@ -113,7 +113,7 @@ def call(*words: object) -> str:
     """
     ended = subprocess.run([find(), *map(str, words)], capture_output=True, encoding="utf-8",
                            errors="replace", stdin=subprocess.DEVNULL)
-    _finish(ended.returncode, _messages(ended.stderr))
+    _finish(_status(ended.returncode), _messages(ended.stderr))
     return ended.stdout
 
 
@@ -143,7 +143,7 @@ def follow(words: Sequence[object], show: Callable[[str], None]) -> str:
         said = printed.read().decode(errors="replace")
     if interrupted:
         raise KeyboardInterrupt(messages[-1] if messages else "")
-    _finish(_status(child), messages)
+    _finish(_status(child.returncode), messages)
     return said
 
 
@@ -174,9 +174,9 @@ class _HeldInterrupt:
             signal.raise_signal(signal.SIGINT)
 
 
-def _status(child: subprocess.Popen[bytes]) -> int:
-    """The exit status as a shell tells it."""
-    return child.returncode if child.returncode >= 0 else 128 - child.returncode
+def _status(code: int) -> int:
+    """The exit status as a shell tells it: 128 + the number of the signal that ended a program."""
+    return code if code >= 0 else 128 - code
 
 
 def _watch(screen: int, child: subprocess.Popen[bytes],
