@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -60,8 +61,18 @@ class Law:
         return self.exponents[name]
 
     def level(self, **point: float) -> float:
-        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI
-        units."""
+        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each of its
+        dimensions, in SI units. RequestError where one is missing, is none of the law, or is not
+        positive.
+
+        >>> getfixture("study").law().level(speed=0.3, rq=6e-6) > 100
+        True
+        """
+        if point.keys() != self.exponents.keys() or not all(
+                isinstance(value, int | float | np.number) and 0 < value < math.inf
+                for value in point.values()):
+            raise RequestError(f"the law is of {', '.join(self.exponents)}: expected a number > 0 "
+                               f"of each, in SI units, not {point}")
         return self.constant + sum(20 * e * math.log10(point[name])
                                    for name, e in self.exponents.items())
 
