@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import dataclasses
 import functools
+import html
 import io
 import json
 import math
@@ -22,7 +23,7 @@ import numpy.typing as npt
 import soundfile
 
 from . import files, program
-from .errors import FileError, RequestError
+from .errors import FileError, Notice, RequestError
 from .style import quantity
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ class Sound:
     - `samples`: velocity or sound pressure over full scale; of two microphones with a column each
     - `rate` [1/s]
     - `about`: what docs/sound.md says of it: `full_scale_m_per_s` or `full_scale_pa`, ...
-    - `doubts`: what a listener should know
+    - `doubts`: what a listener should know; the player shows it, and `save` warns of it
 
     >>> getfixture("result").listen()
     <ra2d.Sound of the resonator at 0.15 m, 1 s; full scale 0.01 m/s>
@@ -159,8 +160,8 @@ class Sound:
         path = pathlib.Path(path)
         encoding = encoding_of(path, bits)
         files.write_bytes(path, self.encoded(encoding))
-        for doubt in self.doubts_in(encoding):
-            warnings.warn(doubt, stacklevel=2)
+        for doubt in (*self.doubts, *self.doubts_in(encoding)):
+            warnings.warn(doubt, Notice, stacklevel=2)
         return path
 
     def encoded(self, encoding: Encoding = "wav-24") -> bytes:
@@ -291,7 +292,9 @@ class Sound:
                 f"{self._unit()}>")
 
     def _repr_html_(self) -> str:
-        return f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
+        doubts = "".join(f"<br>{html.escape(doubt)}" for doubt in self.doubts)
+        return (f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
+                f"{doubts}")
 
 
 def encoding_of(path: pathlib.Path, bits: int | str = 24) -> Encoding:
