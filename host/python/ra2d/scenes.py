@@ -73,6 +73,19 @@ def full_key(name: str) -> str:
                                                                      if near else ""))
 
 
+def short_key(name: str) -> str:
+    """A key as a reader writes it: its last word, if that is enough.
+
+    >>> short_key("scene.speed"), short_key("slider.surface.seed")
+    ('speed', 'slider.surface.seed')
+    """
+    last = name.rsplit(".", 1)[-1]
+    try:
+        return last if full_key(last) == name else name
+    except RequestError:  # several keys have this name, or none
+        return name
+
+
 def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
     """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes
     it."""

@@ -333,7 +333,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     if "time.tolerance" in varied:
         what = what.change(scheme="adaptive")
     what = what.without(varied)
-    place = pathlib.Path(folder or "-".join([what.title, *dimensions])).resolve()
+    place = pathlib.Path(folder or "-".join([what.title, *(dimensions or ["seeds"])])).resolve()
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
     _write(file, _study_text(base, what, dimensions, seeds,

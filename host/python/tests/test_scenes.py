@@ -96,6 +96,8 @@ def test_output_names_keep_runs_apart(base):
     assert output_name(base.change(speed=0.2)) != output_name(base.change(speed=0.3))
     assert output_name(base.change(speed=0.2).change(load=1.0)) == output_name(
         base.change(load=1.0).change(speed=0.2))
+    assert output_name(base.change({"slider.surface.seed": 3})) != output_name(
+        base.change({"resonator.surface.seed": 3}))
     long = base.change({"output.probes": list(np.linspace(0, 0.3, 50))})
     assert len(output_name(long)) < 100 and output_name(long) != output_name(long.change(speed=1.0))
 

@@ -40,6 +40,15 @@ def test_law_and_means_are_those_of_analyze(study):
             law.level(**point)
 
 
+def test_a_study_of_seeds_alone_leaves_its_scene_alone(base, folder):
+    """Its folder, and the file beside it, are not called as the scene."""
+    scene = folder / "plate.toml"
+    scene.write_text(base.text())
+    study = ra2d.study(ra2d.scene(scene).change(base.changes, duration=0.005), {}, seeds=2,
+                       show=False)
+    assert study.folder.name == "plate-seeds" and scene.read_text() == base.text()
+
+
 def test_a_part_has_no_law(study):
     with pytest.raises(ra2d.RequestError, match="part of a study"):
         study.sel(speed=0.2).law()
