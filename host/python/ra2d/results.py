@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,7 +19,7 @@ import pandas as pd
 import xarray as xr
 
 from . import program, stored, toml
-from .errors import FileError, RequestError
+from .errors import FileError, Notice, RequestError
 from .estimate import Estimate
 from .scenes import Scene
 
@@ -672,7 +673,8 @@ class Result:
 
 
 def load(path: str | os.PathLike[str]) -> Result:
-    """A result of `ra2d run`, by its file. A file of any size opens at once.
+    """A result of `ra2d run`, by its file. A file of any size opens at once. A Notice says of one
+    without a seal that what is read of it cannot be compared.
 
     >>> import ra2d
     >>> ra2d.load("cube.h5").complete
@@ -681,7 +683,13 @@ def load(path: str | os.PathLike[str]) -> Result:
     path = pathlib.Path(path)
     if path.is_dir():
         raise RequestError(f"{str(path)!r} is a folder: ra2d.load_study reads a study")
-    return Result(path)
+    result = Result(path)
+    if not result._file.is_sealed:
+        warnings.warn(f"{str(path)!r} has no seal at its end that this package reads: it was cut "
+                      "short, or changed since ra2d wrote it, or an older ra2d wrote it. Nothing "
+                      "tells whether its numbers are right: run its scene again, or ask "
+                      "'ra2d check'", Notice, stacklevel=2)
+    return result
 
 
 def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> pathlib.Path:

@@ -72,6 +72,12 @@ class File:
                             "again, "
                             "with ra2d.load or ra2d.load_study")
 
+    @property
+    def is_sealed(self) -> bool:
+        """Whether what is read of it is compared with a seal."""
+        self._seal = self._seal or Seal(self.path)
+        return self._seal.size > 0
+
     @contextlib.contextmanager
     def opened(self) -> Iterator[Any]:
         """The HDF5 file, open for reading as long as the block runs."""

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 from concurrent.futures import ThreadPoolExecutor
 
 import h5py
@@ -275,6 +276,17 @@ def test_every_byte_that_is_read_is_compared_with_the_seal(small, tmp_path):
     path.write_bytes(whole[:sealed] + bytes([whole[sealed] ^ 1]) + whole[sealed + 1:])
     with pytest.raises(ra2d.FileError, match="its seal does not fit"):
         ra2d.load(path)
+
+
+def test_of_a_file_without_a_seal_it_is_said(small, tmp_path):
+    """Its last bytes cut off, it opens: nothing tells then whether a number is the run's."""
+    path = tmp_path / "cut.h5"
+    path.write_bytes(small.path.read_bytes()[:-64])
+    with pytest.warns(ra2d.Notice, match="has no seal at its end(?s:.*)run its scene again"):
+        ra2d.load(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ra2d.load(small.path)
 
 
 def test_flipped_bits_and_cut_files(small, tmp_path):
