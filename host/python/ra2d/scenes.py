@@ -115,6 +115,15 @@ def _as_read(value: Any, read: Any) -> Any:
     return value
 
 
+def _own(content: dict[str, Any]) -> dict[str, Any]:
+    """A copy, which nothing outside changes."""
+    try:
+        return copy.deepcopy(content)
+    except TypeError as fault:  # of a generator, or an open file
+        raise RequestError(
+            f"a scene holds numbers, texts, lists and tables alone: {fault}") from fault
+
+
 class Scene:
     """A simulation: a file or a dict, and changes to it. A scene never changes; `change`
     makes another one.
@@ -135,8 +144,18 @@ class Scene:
     def __init__(self, source: pathlib.Path | Mapping[str, Any],
                  changes: Mapping[str, Any] | None = None) -> None:
         self._source: pathlib.Path | dict[str, Any]
-        self._source = source if isinstance(source, pathlib.Path) else copy.deepcopy(dict(source))
-        self.changes = dict(changes or {})
+        self._source = source if isinstance(source, pathlib.Path) else _own(dict(source))
+        self._changes = _own(dict(changes or {}))
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """The values that differ from the file, by their whole keys.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2).changes
+        {'scene.speed': 0.2}
+        """
+        return _own(self._changes)  # the caller's own
 
     @property
     def title(self) -> str:
@@ -305,7 +324,7 @@ def _named(name: str) -> pathlib.Path:
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:
     """A dict's relative paths of profiles count from the current folder. Wrong types are left to
     the program."""
-    whole = copy.deepcopy(dict(content))
+    whole = _own(dict(content))
     toml.document(whole)  # refuses what is no scene
     for body in ("resonator", "slider"):
         face = whole.get(body, {}).get("surface")

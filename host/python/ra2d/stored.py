@@ -18,6 +18,7 @@ from .sealed import Seal, SealedFile
 
 # parts of xarray without types
 _lazy: Any = indexing.LazilyIndexedArray
+_copied_when_set: Any = indexing.CopyOnWriteArray  # the file stays as it is
 _variable: Any = xr.Variable
 
 
@@ -117,7 +118,7 @@ class File:
             for name, of in dims.items():
                 if name in file[group]:
                     stored = file[group][name]
-                    values = _lazy(_Dataset(self, f"{group}/{name}", stored))
+                    values = _copied_when_set(_lazy(_Dataset(self, f"{group}/{name}", stored)))
                     variables[name] = _variable(of, values, _units(stored))
             coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
             return xr.Dataset({name: of for name, of in variables.items()

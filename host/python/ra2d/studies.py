@@ -2,6 +2,7 @@
 """Studies: every combination of what is varied, in one table (docs/studies.md)."""
 from __future__ import annotations
 
+import copy
 import dataclasses
 import html
 import math
@@ -173,7 +174,7 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         exponents = {name: Estimate.of(e["value"], e, "", note)
                      for name, e in found["exponents"].items()}
         return Law(exponents, found["constant_db"], _number(found["deviation_db"]),
-                   _number(found["r_squared"]), found)
+                   _number(found["r_squared"]), copy.deepcopy(found))
 
     def means(self) -> pd.DataFrame:
         """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],

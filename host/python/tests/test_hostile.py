@@ -90,7 +90,8 @@ def test_options_are_told_in_python(base, small):
     assert "--help" not in str(fault.value)
 
 
-@pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff"])
+@pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff",
+                                   (x for x in [0.1])])
 def test_values_that_no_scene_holds(base, value):
     with pytest.raises(ra2d.RequestError, match="a scene holds|cannot stand in a scene"):
         ra2d.run(base, speed=value, show=False)

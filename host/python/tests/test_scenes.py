@@ -75,6 +75,17 @@ def test_a_text_with_a_unit_is_the_number_that_the_program_reads():
         cube.change(speed="100 mm")["speed"]
 
 
+def test_a_scene_never_changes():
+    """Neither with what it was made of, nor with what it gave."""
+    probes = [0.1, 0.15]
+    one = ra2d.scene("dang2012").change(probes=probes)
+    probes.append(0.2)
+    one.changes["scene.speed"] = 9.0
+    one.changes["output.probes"].append(0.2)
+    one.content()["output"]["probes"].append(0.2)
+    assert one["probes"] == [0.1, 0.15] and one["speed"] == 0.1
+
+
 def test_names_of_scenes():
     with pytest.raises(ra2d.RequestError,
                        match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):

@@ -34,6 +34,8 @@ def test_law_and_means_are_those_of_analyze(study):
         point["lv"]["mean"], point["lv"]["low"], point["shock_rate"]["high"])
     v_rms = answer["law"]["factor"] * 0.3 ** law["speed"] * 6e-6 ** law["rq"]
     assert law.level(speed=0.3, rq=6e-6) == pytest.approx(20 * np.log10(v_rms / 1e-9), abs=1e-9)
+    law.about["exponents"]["rq"]["value"] = 0  # a caller's own
+    assert study.law()["rq"] == law["rq"] != 0
     for point in ({}, {"speed": 0.3}, {"speed": 0.3, "rq": 6e-6, "load": 2}, {"speed": 0, "rq": 1},
                   {"speed": float("nan"), "rq": 6e-6}, {"speed": "0.3 m/s", "rq": 6e-6}):
         with pytest.raises(ra2d.RequestError, match="the law is of speed, rq: expected a number"):
