@@ -24,6 +24,7 @@ import soundfile
 
 from . import files, program
 from .errors import FileError, Notice, RequestError
+from .stretch import seconds
 from .style import quantity
 
 if TYPE_CHECKING:
@@ -319,7 +320,7 @@ def _at(about: dict[str, Any]) -> str:
 
 
 def _require(name: str, value: float, low: float, high: float) -> None:
-    if not (isinstance(value, int | float) and low <= value <= high):
+    if not (isinstance(value, int | float | np.number) and low <= value <= high):
         raise RequestError(f"{name} is {value!r}: expected a number from {low:g} to {high:g}")
 
 
@@ -339,7 +340,7 @@ def _choose_probe(result: Result, body: str, probe: int) -> Any:
                            f"place on the {body} in the scene, as output.{mine[0]} = [{mine[1]}], "
                            "and run it again"
                            f"{there}")
-    if not 1 <= probe <= here.size:
+    if not (isinstance(probe, int | np.integer) and 1 <= probe <= here.size):
         places = ", ".join(f"{place:g}" for place in here[:8]) + (", ..." if here.size > 8 else "")
         raise RequestError(
             f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
@@ -352,6 +353,8 @@ def _choose_stretch(result: Result, time: Array, start: float | None, stop: floa
     end = float(time[-1]) if time.size else 0.0
     apart = end / (time.size - 1) if time.size > 1 else math.inf
     begin = result.counted_from if start is None else start
+    if begin < 0:
+        raise RequestError(f"{result.path.name}: from {begin:g} s: the run begins at 0 s")
     if stop is not None and not stop <= end * (1 + 1e-12) + 1e-6 * apart:
         raise RequestError(f"{result.path.name}: to {stop:g} s: the run ends at {end:g} s")
     first = int(np.searchsorted(time, begin - 1e-6 * apart))
@@ -443,7 +446,7 @@ def _full_scale(peak: float, wanted: float | None, normalize: bool, unit: str = 
                            f"numbers of a sound file go from {limits.tiny:.3g} to "
                            f"{limits.max:.3g}: expected a "
                            f"{'pressure' if unit == 'Pa' else 'velocity'} near the peak")
-    return wanted
+    return float(wanted)
 
 
 def _require_room(count: int, source: float, rate: int, result: Result) -> None:
@@ -518,6 +521,9 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     """The velocity of a probe as sound. `Result.listen` says what the options are."""
     _require("slow", slow, 1, MOST_SLOW)
     _require("rate", rate, *RATES)
+    if rate != int(rate):
+        raise RequestError(f"rate is {rate!r}: expected a whole number (Hz)")
+    start, stop = seconds("start", start), seconds("stop", stop)
     velocity = _choose_probe(result, body, probe)
     time = velocity.time.values
     part = _choose_stretch(result, time, start, stop)
@@ -531,7 +537,7 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     heard = resample(values, source / slow, rate)
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize)
-    about = {"body": body, "probe": probe, "position": float(velocity.position),
+    about = {"body": body, "probe": int(probe), "position": float(velocity.position),
              "quantity": "velocity",
              "full_scale_m_per_s": scale, "peak_m_per_s": peak,
              "beyond_full_scale": int((np.abs(heard) > scale).sum()),

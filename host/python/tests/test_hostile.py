@@ -367,6 +367,16 @@ def test_sounds_and_pictures_that_cannot_be(small):
                               ("x.wav", 99, "expected 16, 24, 32 or 'float'")):
         with pytest.raises(ra2d.RequestError, match=words):
             small.listen().save(name, bits)
+    for options, words in (({"rate": 44100.5}, "rate is 44100.5: expected a whole number"),
+                           ({"probe": 1.5}, "expected 1 to 1"), ({"probe": "1"}, "expected 1 to 1"),
+                           ({"start": "0.001"}, "start is '0.001': expected a time"),
+                           ({"start": -1}, "from -1 s: the run begins at 0 s"),
+                           ({"stop": np.nan}, "stop is nan: expected a time")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            small.listen(**options)
+    made = small.listen(np.int64(1), rate=np.int64(44100), slow=np.float32(2),
+                        full_scale=np.float32(0.5))
+    assert made.rate == 44100 and '"full_scale_m_per_s": 0.5' in made.about_text("x.wav")
     for wrong in ([], ["hostile.h5"]):
         with pytest.raises(ra2d.RequestError, match="one or more results"):
             ra2d.plot(wrong)
