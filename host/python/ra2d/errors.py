@@ -2,8 +2,12 @@
 """Errors: one class for each way in which the program ends, with the program's own message."""
 from __future__ import annotations
 
+import contextlib
 import re
 import signal
+import warnings
+from collections.abc import Iterator
+from contextvars import ContextVar
 
 
 class Error(Exception):
@@ -39,6 +43,29 @@ class ProgramError(Error):
 
 class Notice(UserWarning):
     """A message of the program beside its answer, such as a doubt about a number of the scene."""
+
+
+_kept: ContextVar[list[str] | None] = ContextVar("kept", default=None)
+
+
+def notice(message: str, stacklevel: int) -> None:
+    """Tells a Notice, as `warnings.warn` does; within `kept_notices` it is kept."""
+    if (kept := _kept.get()) is None:
+        warnings.warn(message, Notice, stacklevel=stacklevel + 1)
+    else:
+        kept.append(message)
+
+
+@contextlib.contextmanager
+def kept_notices() -> Iterator[list[str]]:
+    """The Notices of the block, which are told to nobody. `warnings.catch_warnings` is of the whole
+    process: threads took each other's, and could leave it deaf to all later ones."""
+    messages: list[str] = []
+    before = _kept.set(messages)
+    try:
+        yield messages
+    finally:
+        _kept.reset(before)
 
 
 # what the program says of its options, and the same in Python

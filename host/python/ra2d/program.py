@@ -17,11 +17,10 @@ import sys
 import tempfile
 import termios
 import threading
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from .errors import Error, Notice, ProgramError, error_of
+from .errors import Error, ProgramError, error_of, notice
 
 OLDEST = (0, 1, 0)  # version of the program that this package reads
 _CLEARS = b"\x1b[K"  # the rest of a terminal's line: the end of each text of progress
@@ -85,7 +84,7 @@ def _finish(status: int, messages: list[str]) -> None:
     """Tells notices as warnings. Raises the error that the last message describes."""
     last = messages.pop() if status and messages else ""
     for message in messages:
-        warnings.warn(message, Notice, stacklevel=4)
+        notice(message, stacklevel=4)
     if status:
         raise error_of(status, last)
 

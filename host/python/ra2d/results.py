@@ -9,7 +9,6 @@ import json
 import math
 import os
 import pathlib
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -19,7 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from . import program, stored, toml
-from .errors import FileError, Notice, RequestError
+from .errors import FileError, RequestError, notice
 from .estimate import Estimate
 from .scenes import Scene
 
@@ -685,10 +684,9 @@ def load(path: str | os.PathLike[str]) -> Result:
         raise RequestError(f"{str(path)!r} is a folder: ra2d.load_study reads a study")
     result = Result(path)
     if not result._file.is_sealed:
-        warnings.warn(f"{str(path)!r} has no seal at its end that this package reads: it was cut "
-                      "short, or changed since ra2d wrote it, or an older ra2d wrote it. Nothing "
-                      "tells whether its numbers are right: run its scene again, or ask "
-                      "'ra2d check'", Notice, stacklevel=2)
+        notice(f"{str(path)!r} has no seal at its end that this package reads: it was cut short, "
+               "or changed since ra2d wrote it, or an older ra2d wrote it. Nothing tells whether "
+               "its numbers are right: run its scene again, or ask 'ra2d check'", stacklevel=2)
     return result
 
 

@@ -6,12 +6,11 @@ import hashlib
 import os
 import pathlib
 import re
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 from . import program, progress
-from .errors import Notice
+from .errors import notice
 from .results import Result
 from .scenes import Scene, scene, short_key
 
@@ -63,5 +62,5 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
                                 shown)
     for line in report.splitlines():  # what a reader of the figures should not overlook
         if line.startswith("  warning "):
-            warnings.warn(line.removeprefix("  warning").strip(), Notice, stacklevel=2)
+            notice(line.removeprefix("  warning").strip(), stacklevel=2)
     return Result(path)

@@ -10,12 +10,11 @@ import itertools
 import os
 import pathlib
 import re
-import warnings
 from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import files, program, toml
-from .errors import Notice, RequestError
+from .errors import RequestError, kept_notices
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes "
          "surface").split()
@@ -252,8 +251,7 @@ class Scene:
             value = value[part]
         if not _has_unit(value):
             return value
-        with warnings.catch_warnings():  # what is odd is said when the scene is run
-            warnings.simplefilter("ignore", Notice)
+        with kept_notices():  # what is odd is said when the scene is run
             read: Any = self.complete()
         for part in path:
             read = read.get(part) if isinstance(read, Mapping) else None

@@ -13,7 +13,6 @@ import math
 import os
 import pathlib
 import tempfile
-import warnings
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal
@@ -23,7 +22,7 @@ import numpy.typing as npt
 import soundfile
 
 from . import files, program
-from .errors import FileError, Notice, RequestError
+from .errors import FileError, RequestError, kept_notices, notice
 from .stretch import seconds
 from .style import quantity
 
@@ -162,7 +161,7 @@ class Sound:
         encoding = encoding_of(path, bits)
         files.write_bytes(path, self.encoded(encoding))
         for doubt in (*self.doubts, *self.doubts_in(encoding)):
-            warnings.warn(doubt, Notice, stacklevel=2)
+            notice(doubt, stacklevel=2)
         return path
 
     def encoded(self, encoding: Encoding = "wav-24") -> bytes:
@@ -500,8 +499,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
     """The pressure at microphones as sound, by `ra2d sound` with these options for their places."""
     from scipy.io import wavfile
 
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as messages:
-        warnings.simplefilter("always")
+    with tempfile.TemporaryDirectory() as folder, kept_notices() as messages:
         made = pathlib.Path(folder) / "heard.wav"
         words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale,
                                  "--normalize": bool(normalize),
@@ -510,8 +508,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
         about = json.loads(made.with_name("heard.wav.json").read_text("utf-8"))
         found, samples = wavfile.read(made)
     del about["file"]
-    return Sound(samples.astype(float), int(found), about,
-                 tuple(str(one.message) for one in messages))
+    return Sound(samples.astype(float), int(found), about, tuple(messages))
 
 
 def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1,

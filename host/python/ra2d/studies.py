@@ -8,7 +8,6 @@ import html
 import math
 import os
 import pathlib
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from . import files, program, progress, stored, toml
-from .errors import FileError, Notice, RequestError, SimulationError
+from .errors import FileError, RequestError, SimulationError, notice
 from .estimate import Estimate
 from .scenes import Scene, full_key, scene
 
@@ -134,7 +133,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     def _whole(self) -> dict[str, Any]:
         if not hasattr(self, "_answer"):
             raise RequestError(
-                "this is a part of a study: ask the whole one for its law, means and picture")
+                "this is a part of a study, or a copy: ask the whole one for its law, means and "
+                "picture")
         answer: dict[str, Any] = self._answer
         return answer
 
@@ -345,5 +345,5 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
         with progress.shown(show) as shown:
             program.follow(["study", file, "-o", place, *options], shown)
     except SimulationError as failed:
-        warnings.warn(str(failed), Notice, stacklevel=2)
+        notice(str(failed), stacklevel=2)
     return Study._of(place)

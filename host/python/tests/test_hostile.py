@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import ra2d
-from ra2d import charts, files, program, toml
+from ra2d import charts, errors, files, program, toml
 
 
 @pytest.fixture(scope="module")
@@ -360,6 +360,26 @@ def test_threads_write_into_one_folder(tmp_path, monkeypatch):
     with ThreadPoolExecutor(2) as pool:
         list(pool.map(lambda name: files.write(tmp_path / name, name), "ab"))
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a": "a", "b": "b"}
+
+
+def test_threads_keep_their_notices_apart(base):
+    """Those of one were taken for the other's, or Notices were ignored from then on."""
+    both, scene = threading.Barrier(2, timeout=20), base.change(speed="100 mm/s")
+
+    def keep(text):
+        with errors.kept_notices() as kept:
+            both.wait()
+            errors.notice(text, 1)
+            both.wait()
+        return kept
+
+    before = list(warnings.filters)
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(keep, "ab")) == [["a"], ["b"]]
+        assert set(pool.map(lambda _: scene["speed"], range(12))) == {0.1}
+    assert warnings.filters == before
+    with pytest.warns(ra2d.Notice, match="afterwards"):
+        errors.notice("afterwards", 1)
 
 
 def test_sounds_and_pictures_that_cannot_be(small):
