@@ -161,7 +161,7 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
             "a face is a row of at least two finite heights in metres, or rows of them, not an "
             "array of "
                            f"shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that "
-                           "are not finite, or are masked")
+                           "are not finite, or are masked: fill such gaps first")
     _require_lengths(spacing=spacing, spacing_y=spacing_y)
     if z.ndim == 2:
         return _map(z, float(spacing), float(spacing_y or spacing), path, words)
