@@ -86,7 +86,8 @@ def error_of(status: int, message: str) -> Error:
     if status in BY_STATUS:
         return BY_STATUS[status](message)
     if status - 128 in _CRASHES:
-        return ProgramError(f"ra2d crashed: {signal.strsignal(status - 128)}"
+        return ProgramError(f"ra2d crashed: signal {status - 128}, "
+                            f"{signal.strsignal(status - 128)}"
                             + (f". Its last words: {message}" if message else ""))
     if status > 128:
         return Interrupted(message or f"signal {status - 128} ended the program")
