@@ -9,7 +9,6 @@ import math
 import os
 import pathlib
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from . import files
-from .errors import Notice, RequestError
+from .errors import RequestError, kept_notices, notice
 from .estimate import Estimate
 from .realisations import Face, has_measured_map, of_scene
 from .scenes import Scene, scene
@@ -375,7 +374,7 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     >>> budget.level.low < budget.level < budget.level.high
     True
     """
-    if not isinstance(seeds, int) or seeds < 2:
+    if isinstance(seeds, bool) or not isinstance(seeds, int | np.integer) or seeds < 2:
         raise RequestError(
             f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are "
             "good)")
@@ -383,12 +382,13 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     place = pathlib.Path(folder or f"{what.title}-uncertainty").resolve()
     files.require_folder(place)
     complete = what.complete()
-    varied, faces = of_scene(what, complete, seeds, place / "faces")
+    varied, faces = of_scene(what, complete, int(seeds), place / "faces")
     cases = _cases(what, complete)
-    with warnings.catch_warnings():
-        # told in the notes
-        warnings.filterwarnings("ignore", category=Notice, message=r"\d+ of \d+ runs failed")
+    with kept_notices() as messages:
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
+    for message in messages:
+        if "failed (--retry-failed" not in message:  # which the notes tell
+            notice(message, stacklevel=2)
     runs = _runs(table, [AS_GIVEN, *cases])
     notes = ["spacing: between the points of a measured map stands their spline; what finer points "
              "would show is not in this budget"

@@ -2,13 +2,13 @@
 """Differences between two results, or two sets of them, and whether they are more than chance."""
 from __future__ import annotations
 
+import contextvars
 import dataclasses
 import html
 import json
 import math
 import os
 import pathlib
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Union
@@ -18,7 +18,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from . import toml
-from .errors import FileError, Notice, RequestError
+from .errors import FileError, RequestError, kept_notices
 from .results import Body, Result, load
 from .scenes import UNITS, Scene, scene
 from .student import Values, for_all, mean_differs, means_differ
@@ -326,10 +326,12 @@ class _Run:
         if not self.why:
             rate, first = self.whole["rate"], self.whole["from"]
             edges = np.linspace(0, self.whole["samples"], PARTS + 1).astype(int)
+            context = contextvars.copy_context()  # in which notices are kept
             with ThreadPoolExecutor(2) as pool:
                 self.parts = list(pool.map(
-                    lambda ends: result.analysis(start=first + ends[0] / rate,
-                                                 stop=first + (ends[1] - 1) / rate),
+                    lambda ends: context.copy().run(
+                        result.analysis, start=first + ends[0] / rate,
+                        stop=first + (ends[1] - 1) / rate),
                     zip(edges, edges[1:])))
 
     def series(self, kind: str, of: Callable[[Mapping[str, Any]], Any]) -> tuple[float, Values]:
@@ -757,8 +759,7 @@ def compare(a: Source, b: Source) -> Comparison:
         empty = _table({}, "quantity")
         return Comparison(names, table, empty, _table({}, "band"), "",
                           notes + ["A scene has no answers: run it, and compare the results."])
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Notice)  # of runs that were cut short: the notes have it
+    with kept_notices():  # of runs that were cut short: the notes have it
         answers, bands, test, more = _answers(one, other)
     return Comparison(names, table, answers, bands, test,
                       notes + _on_both_sides(one, other) + more)

@@ -2,7 +2,12 @@
 """Errors: one class for each way in which the program ends, with the program's own message."""
 from __future__ import annotations
 
+import contextlib
 import re
+import signal
+import warnings
+from collections.abc import Iterator
+from contextvars import ContextVar
 
 
 class Error(Exception):
@@ -40,21 +45,50 @@ class Notice(UserWarning):
     """A message of the program beside its answer, such as a doubt about a number of the scene."""
 
 
+_kept: ContextVar[list[str] | None] = ContextVar("kept", default=None)
+
+
+def notice(message: str, stacklevel: int) -> None:
+    """Tells a Notice, as `warnings.warn` does; within `kept_notices` it is kept."""
+    if (kept := _kept.get()) is None:
+        warnings.warn(message, Notice, stacklevel=stacklevel + 1)
+    else:
+        kept.append(message)
+
+
+@contextlib.contextmanager
+def kept_notices() -> Iterator[list[str]]:
+    """The Notices of the block, which are told to nobody. `warnings.catch_warnings` is of the whole
+    process: threads took each other's, and could leave it deaf to all later ones."""
+    messages: list[str] = []
+    before = _kept.set(messages)
+    try:
+        yield messages
+    finally:
+        _kept.reset(before)
+
+
 # what the program says of its options, and the same in Python
 _IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"), (r"--(force|fresh)\b", r"\1=True"),
               (r"with -o\b", 'output="other.h5"'), (r"--max-wall\b", "max_wall=..."),
               (r"--checkpoint\b", "checkpoint=..."))
 _MORE_HELP = "\nRun with --help for more information."
 
+_CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
+
 BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: FileError,
                                      5: OutOfTime}
 
 
 def error_of(status: int, message: str) -> Error:
-    """The exception for an exit status of the program (a negative one: killed by that signal)."""
+    """The exception for an exit status of the program (128 + n: signal n ended it)."""
     message = _for_python(message)
     if status in BY_STATUS:
         return BY_STATUS[status](message)
+    if status - 128 in _CRASHES:
+        return ProgramError(f"ra2d crashed: signal {status - 128}, "
+                            f"{signal.strsignal(status - 128)}"
+                            + (f". Its last words: {message}" if message else ""))
     if status > 128:
         return Interrupted(message or f"signal {status - 128} ended the program")
     return ProgramError(f"ra2d ended with status {status}: {message or 'it said nothing'}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+import threading
 
 from .errors import FileError
 
@@ -43,7 +44,7 @@ def write(path: pathlib.Path, text: str) -> None:
 def write_bytes(path: pathlib.Path, data: bytes) -> None:
     """Writes a file and puts it in place whole: a reader sees the old one or the new one."""
     require_folder(path)
-    partial = path.with_name(f".{os.getpid()}.partial")
+    partial = path.with_name(f".{os.getpid()}-{threading.get_native_id()}.partial")
     try:
         partial.write_bytes(data)
         partial.replace(path)

@@ -7,7 +7,6 @@ import dataclasses
 import math
 import pathlib
 import re
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,7 @@ import pandas as pd
 from markupsafe import Markup
 
 from . import files, page_pictures, page_svg, plots, program, study_plot
-from .errors import Notice, RequestError
+from .errors import RequestError, kept_notices
 from .page_words import html, number, printable, requested, shortened, spread, without_folders
 from .results import BODIES
 from .style import quantity, unit_text
@@ -348,8 +347,7 @@ def results_text(results: Sequence[Result], command: str = "") -> str:
     end."""
     if not results:
         raise RequestError("a page takes one or more results of ra2d.run or ra2d.load")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Notice)  # the page says it
+    with kept_notices():  # the page says it
         sheet, many = page_svg.Sheet(), len(results) > 1
         sections = [_section(result, sheet, sounds)
                     for result, sounds in zip(results, _clips(results))]

@@ -17,11 +17,10 @@ import sys
 import tempfile
 import termios
 import threading
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from .errors import Error, Notice, ProgramError, error_of
+from .errors import Error, ProgramError, error_of, notice
 
 OLDEST = (0, 1, 0)  # version of the program that this package reads
 _CLEARS = b"\x1b[K"  # the rest of a terminal's line: the end of each text of progress
@@ -85,7 +84,7 @@ def _finish(status: int, messages: list[str]) -> None:
     """Tells notices as warnings. Raises the error that the last message describes."""
     last = messages.pop() if status and messages else ""
     for message in messages:
-        warnings.warn(message, Notice, stacklevel=4)
+        notice(message, stacklevel=4)
     if status:
         raise error_of(status, last)
 
@@ -113,7 +112,7 @@ def call(*words: object) -> str:
     """
     ended = subprocess.run([find(), *map(str, words)], capture_output=True, encoding="utf-8",
                            errors="replace", stdin=subprocess.DEVNULL)
-    _finish(ended.returncode, _messages(ended.stderr))
+    _finish(_status(ended.returncode), _messages(ended.stderr))
     return ended.stdout
 
 
@@ -143,7 +142,7 @@ def follow(words: Sequence[object], show: Callable[[str], None]) -> str:
         said = printed.read().decode(errors="replace")
     if interrupted:
         raise KeyboardInterrupt(messages[-1] if messages else "")
-    _finish(_status(child), messages)
+    _finish(_status(child.returncode), messages)
     return said
 
 
@@ -174,9 +173,9 @@ class _HeldInterrupt:
             signal.raise_signal(signal.SIGINT)
 
 
-def _status(child: subprocess.Popen[bytes]) -> int:
-    """The exit status as a shell tells it."""
-    return child.returncode if child.returncode >= 0 else 128 - child.returncode
+def _status(code: int) -> int:
+    """The exit status as a shell tells it: 128 + the number of the signal that ended a program."""
+    return code if code >= 0 else 128 - code
 
 
 def _watch(screen: int, child: subprocess.Popen[bytes],

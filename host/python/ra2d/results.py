@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import html
+import json
 import math
 import os
 import pathlib
@@ -17,7 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from . import program, stored, toml
-from .errors import FileError, RequestError
+from .errors import FileError, RequestError, notice
 from .estimate import Estimate
 from .scenes import Scene
 
@@ -70,8 +71,23 @@ def _require_within(time: Any, samples: xr.DataArray) -> None:
         raise RequestError(f"time is {time!r}: expected numbers (s), or a slice of two") from fault
     half = float(samples[1] - samples[0]) / 2 if samples.size > 1 else math.inf
     low, high = float(samples[0]), float(samples[-1])
-    if not ((times >= low - half) & (times <= high + half)).all():
+    if not times.size or not ((times >= low - half) & (times <= high + half)).all():
         raise RequestError(f"time is {time!r}: the samples go from {low:g} to {high:g} s")
+
+
+def _numbers(time: slice, samples: xr.DataArray) -> slice:
+    """A slice of times, in which there are samples."""
+    try:
+        ends = [None if end is None else float(end) for end in (time.start, time.stop)]
+    except (TypeError, ValueError) as fault:
+        raise RequestError(f"time is {time!r}: expected a slice of two numbers (s)") from fault
+    if time.step is not None:
+        raise RequestError(f"time is {time!r}: expected a slice of two numbers (s), without a step")
+    found = slice(*ends)
+    if not samples.sel(time=found).size:
+        raise RequestError(f"time is {time!r}: there is no sample, they go from "
+                           f"{float(samples[0]):g} to {float(samples[-1]):g} s")
+    return found
 
 
 def _require_room(times: int, places: int) -> None:
@@ -91,9 +107,18 @@ def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDAr
     return np.array(values, dtype=float).reshape(rows, columns)
 
 
-def _places(at: Sequence[Sequence[float]]) -> tuple[str, ...]:
-    """The program's options for microphones."""
-    return tuple(word for place in at for word in ("--at", ",".join(repr(float(x)) for x in place)))
+def _places(at: npt.ArrayLike) -> tuple[str, ...]:
+    """The program's options for microphones; none where there is none."""
+    try:
+        places = np.asarray(at, dtype=float)
+    except (TypeError, ValueError):
+        places = np.empty(())  # no numbers, or not as many in each row
+    if places.shape == (0,):
+        return ()
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise RequestError(f"at is {at!r}: expected microphones of three numbers each, x, y and z "
+                           "in m, as [(0.15, 0.1, 0.5)]")
+    return tuple(word for place in places.tolist() for word in ("--at", ",".join(map(repr, place))))
 
 
 class Result:
@@ -132,7 +157,7 @@ class Result:
             self._counted_from = float(self._scene.get("output", {}).get("from", 0.0))
         except (AttributeError, KeyError, TypeError, ValueError, RequestError) as fault:
             raise FileError(f"{str(path)!r} is damaged: {fault}") from fault
-        self._analyses: dict[tuple[str, ...], dict[str, Any]] = {}
+        self._analyses: dict[tuple[str, ...], str] = {}  # in JSON
         self._hears: tuple[str, ...] = ()  # options of with_microphones()
 
     # ---- numbers
@@ -141,15 +166,16 @@ class Result:
     def analysis(self, *, start: float | None = None, stop: float | None = None,
                  resolution: float | None = None,
                  segment: int | None = None, a_weighting: bool = False,
-                 at: Sequence[Sequence[float]] = (),
+                 at: npt.ArrayLike = (),
                  power: bool = False) -> dict[str, Any]:
         """All that `ra2d analyze --json` says (docs/analysis.md), in SI units; None for what does
-        not exist. Asked once for each set of options, and kept.
+        not exist. The program is asked once for each set of options.
 
         - `start`, `stop` [s]: the stretch of the run; from `output.from` to the end
         - `resolution` [Hz] or `segment` [samples]: of the spectrum
         - `a_weighting`: also weigh the bands as ears do
-        - `at`: microphones, each (x, y, z) [m]; `power`: the sound power (docs/sound.md)
+        - `at`: microphones, each (x, y, z) [m], in the air of `with_microphones` or the scene;
+          `power`: the sound power (docs/sound.md)
 
         >>> getfixture("result").analysis()["contact_share"] < 1
         True
@@ -161,13 +187,16 @@ class Result:
                                          "--segment": segment,
                                          "--a-weighting": bool(a_weighting),
                                          "--power": bool(power)}))
-        options += _places(at) if at else self._hears
+        places = _places(at)
+        options += places + self._air() if places else self._hears
         self._file.require_unchanged()
         if options not in self._analyses:
-            self._analyses[options] = program.ask("analyze", self.path, *options)
-        return self._analyses[options]
+            self._analyses[options] = program.call("analyze", self.path, *options, "--json")
+        # each call its own: what is changed in an answer changes no other
+        answer: dict[str, Any] = json.loads(self._analyses[options])
+        return answer
 
-    def with_microphones(self, at: Sequence[Sequence[float]], *, temperature: float | None = None,
+    def with_microphones(self, at: npt.ArrayLike, *, temperature: float | None = None,
                          pressure: float | None = None) -> Result:
         """This result with microphones at these places, each (x, y, z) [m], instead of its scene's:
         its analysis, plots ("bands", "level") and page have the pressure there (docs/sound.md).
@@ -177,10 +206,11 @@ class Result:
         >>> len(heard.plot("bands").axes)
         2
         """
-        if not at:
+        places = _places(at)
+        if not places:
             raise RequestError("at: expected one microphone or more, each (x, y, z) in m")
         hearing = copy.copy(self)
-        hearing._hears = _places(at) + tuple(program.options({"--temperature": temperature,
+        hearing._hears = places + tuple(program.options({"--temperature": temperature,
                                                               "--pressure": pressure}))
         return hearing
 
@@ -432,7 +462,9 @@ class Result:
         if series.dtype.kind != "f" or not (np.diff(modes.time.values) > 0).all():
             raise FileError(f"{str(self.path)!r} is damaged: its times do not rise, or its {what} "
                             "is no series of numbers. 'ra2d check' says what of it is damaged")
-        if not isinstance(time, slice):
+        if isinstance(time, slice):
+            time = _numbers(time, modes.time)
+        else:
             _require_within(time, modes.time)
         chosen = series.sel(time=time, method=None if isinstance(time, slice) else "nearest")
         across = modes.sizes["y"] if self.is_areal else 1
@@ -539,7 +571,7 @@ class Result:
     def listen(self, probe: int = 1, *, body: Body = "resonator", slow: float = 1,
                full_scale: float | None = None,
                normalize: bool = False, rate: int = 48000, start: float | None = None,
-               stop: float | None = None, at: Sequence[Sequence[float]] = ()) -> Sound:
+               stop: float | None = None, at: npt.ArrayLike = ()) -> Sound:
         """The velocity of a probe (from 1) as sound, which a notebook plays; with `at` the sound
         pressure at one microphone, or two for stereo, each (x, y, z) [m], in the air of
         `with_microphones` or the scene. `slow`: times longer and lower; `full_scale` [m/s; Pa]:
@@ -554,12 +586,12 @@ class Result:
         """
         from .sound import of_microphones, of_probe
 
-        if len(at):
+        if places := _places(at):
             if probe != 1 or body != "resonator":
                 raise RequestError(
                     "probe and body are of a velocity; with at the sound is a pressure: give one "
                     "of them")
-            return of_microphones(self, _places(at) + self._air(), slow=slow, rate=rate,
+            return of_microphones(self, places + self._air(), slow=slow, rate=rate,
                                   full_scale=full_scale, normalize=normalize,
                                   start=start, stop=stop)
         return of_probe(self, probe, _one_of("body", body, BODIES), slow=slow, rate=rate,
@@ -640,7 +672,8 @@ class Result:
 
 
 def load(path: str | os.PathLike[str]) -> Result:
-    """A result of `ra2d run`, by its file. A file of any size opens at once.
+    """A result of `ra2d run`, by its file. A file of any size opens at once. A Notice says of one
+    without a seal that what is read of it cannot be compared.
 
     >>> import ra2d
     >>> ra2d.load("cube.h5").complete
@@ -649,7 +682,12 @@ def load(path: str | os.PathLike[str]) -> Result:
     path = pathlib.Path(path)
     if path.is_dir():
         raise RequestError(f"{str(path)!r} is a folder: ra2d.load_study reads a study")
-    return Result(path)
+    result = Result(path)
+    if not result._file.is_sealed:
+        notice(f"{str(path)!r} has no seal at its end that this package reads: it was cut short, "
+               "or changed since ra2d wrote it, or an older ra2d wrote it. Nothing tells whether "
+               "its numbers are right: run its scene again, or ask 'ra2d check'", stacklevel=2)
+    return result
 
 
 def report(results: Result | Sequence[Result], path: str | os.PathLike[str]) -> pathlib.Path:

@@ -6,14 +6,13 @@ import hashlib
 import os
 import pathlib
 import re
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
 from . import program, progress
-from .errors import Notice
+from .errors import notice
 from .results import Result
-from .scenes import Scene, scene
+from .scenes import Scene, scene, short_key
 
 LONGEST_NAME = 120  # bytes
 
@@ -21,7 +20,7 @@ LONGEST_NAME = 120  # bytes
 def output_name(what: Scene) -> str:
     """A name that tells the changes, so that runs of a notebook keep apart:
     dang2012-speed=0.2.h5."""
-    words = [f"{name.rsplit('.', 1)[-1]}={value}" for name, value in sorted(what.changes.items())]
+    words = [f"{short_key(name)}={value}" for name, value in sorted(what.changes.items())]
     name = re.sub(r"[^\w.=+-]+", "_", "-".join([what.title, *words]))
     if len(name.encode(errors="replace")) > LONGEST_NAME:
         key = hashlib.sha256(" ".join(what.options()).encode()).hexdigest()
@@ -63,5 +62,5 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
                                 shown)
     for line in report.splitlines():  # what a reader of the figures should not overlook
         if line.startswith("  warning "):
-            warnings.warn(line.removeprefix("  warning").strip(), Notice, stacklevel=2)
+            notice(line.removeprefix("  warning").strip(), stacklevel=2)
     return Result(path)

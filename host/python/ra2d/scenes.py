@@ -10,12 +10,11 @@ import itertools
 import os
 import pathlib
 import re
-import warnings
 from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import files, program, toml
-from .errors import Notice, RequestError
+from .errors import RequestError, kept_notices
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes "
          "surface").split()
@@ -73,6 +72,19 @@ def full_key(name: str) -> str:
                                                                      if near else ""))
 
 
+def short_key(name: str) -> str:
+    """A key as a reader writes it: its last word, if that is enough.
+
+    >>> short_key("scene.speed"), short_key("slider.surface.seed")
+    ('speed', 'slider.surface.seed')
+    """
+    last = name.rsplit(".", 1)[-1]
+    try:
+        return last if full_key(last) == name else name
+    except RequestError:  # several keys have this name, or none
+        return name
+
+
 def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> dict[str, Any]:
     """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes
     it."""
@@ -102,6 +114,15 @@ def _as_read(value: Any, read: Any) -> Any:
     return value
 
 
+def _own(content: dict[str, Any]) -> dict[str, Any]:
+    """A copy, which nothing outside changes."""
+    try:
+        return copy.deepcopy(content)
+    except TypeError as fault:  # of a generator, or an open file
+        raise RequestError(
+            f"a scene holds numbers, texts, lists and tables alone: {fault}") from fault
+
+
 class Scene:
     """A simulation: a file or a dict, and changes to it. A scene never changes; `change`
     makes another one.
@@ -122,8 +143,18 @@ class Scene:
     def __init__(self, source: pathlib.Path | Mapping[str, Any],
                  changes: Mapping[str, Any] | None = None) -> None:
         self._source: pathlib.Path | dict[str, Any]
-        self._source = source if isinstance(source, pathlib.Path) else copy.deepcopy(dict(source))
-        self.changes = dict(changes or {})
+        self._source = source if isinstance(source, pathlib.Path) else _own(dict(source))
+        self._changes = _own(dict(changes or {}))
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """The values that differ from the file, by their whole keys.
+
+        >>> import ra2d
+        >>> ra2d.scene("dang2012").change(speed=0.2).changes
+        {'scene.speed': 0.2}
+        """
+        return _own(self._changes)  # the caller's own
 
     @property
     def title(self) -> str:
@@ -220,8 +251,7 @@ class Scene:
             value = value[part]
         if not _has_unit(value):
             return value
-        with warnings.catch_warnings():  # what is odd is said when the scene is run
-            warnings.simplefilter("ignore", Notice)
+        with kept_notices():  # what is odd is said when the scene is run
             read: Any = self.complete()
         for part in path:
             read = read.get(part) if isinstance(read, Mapping) else None
@@ -292,7 +322,7 @@ def _named(name: str) -> pathlib.Path:
 def _with_paths(content: Mapping[str, Any]) -> dict[str, Any]:
     """A dict's relative paths of profiles count from the current folder. Wrong types are left to
     the program."""
-    whole = copy.deepcopy(dict(content))
+    whole = _own(dict(content))
     toml.document(whole)  # refuses what is no scene
     for body in ("resonator", "slider"):
         face = whole.get(body, {}).get("surface")

@@ -6,13 +6,13 @@ from __future__ import annotations
 import base64
 import dataclasses
 import functools
+import html
 import io
 import json
 import math
 import os
 import pathlib
 import tempfile
-import warnings
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Literal
@@ -22,7 +22,8 @@ import numpy.typing as npt
 import soundfile
 
 from . import files, program
-from .errors import FileError, RequestError
+from .errors import FileError, RequestError, kept_notices, notice
+from .stretch import seconds
 from .style import quantity
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ class Sound:
     - `samples`: velocity or sound pressure over full scale; of two microphones with a column each
     - `rate` [1/s]
     - `about`: what docs/sound.md says of it: `full_scale_m_per_s` or `full_scale_pa`, ...
-    - `doubts`: what a listener should know
+    - `doubts`: what a listener should know; the player shows it, and `save` warns of it
 
     >>> getfixture("result").listen()
     <ra2d.Sound of the resonator at 0.15 m, 1 s; full scale 0.01 m/s>
@@ -159,8 +160,8 @@ class Sound:
         path = pathlib.Path(path)
         encoding = encoding_of(path, bits)
         files.write_bytes(path, self.encoded(encoding))
-        for doubt in self.doubts_in(encoding):
-            warnings.warn(doubt, stacklevel=2)
+        for doubt in (*self.doubts, *self.doubts_in(encoding)):
+            notice(doubt, stacklevel=2)
         return path
 
     def encoded(self, encoding: Encoding = "wav-24") -> bytes:
@@ -291,7 +292,9 @@ class Sound:
                 f"{self._unit()}>")
 
     def _repr_html_(self) -> str:
-        return f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
+        doubts = "".join(f"<br>{html.escape(doubt)}" for doubt in self.doubts)
+        return (f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
+                f"{doubts}")
 
 
 def encoding_of(path: pathlib.Path, bits: int | str = 24) -> Encoding:
@@ -316,7 +319,7 @@ def _at(about: dict[str, Any]) -> str:
 
 
 def _require(name: str, value: float, low: float, high: float) -> None:
-    if not (isinstance(value, int | float) and low <= value <= high):
+    if not (isinstance(value, int | float | np.number) and low <= value <= high):
         raise RequestError(f"{name} is {value!r}: expected a number from {low:g} to {high:g}")
 
 
@@ -336,7 +339,7 @@ def _choose_probe(result: Result, body: str, probe: int) -> Any:
                            f"place on the {body} in the scene, as output.{mine[0]} = [{mine[1]}], "
                            "and run it again"
                            f"{there}")
-    if not 1 <= probe <= here.size:
+    if not (isinstance(probe, int | np.integer) and 1 <= probe <= here.size):
         places = ", ".join(f"{place:g}" for place in here[:8]) + (", ..." if here.size > 8 else "")
         raise RequestError(
             f"{result.path.name}: {mine[2]} {probe}: expected 1 to {here.size} (at {places} m)")
@@ -349,6 +352,8 @@ def _choose_stretch(result: Result, time: Array, start: float | None, stop: floa
     end = float(time[-1]) if time.size else 0.0
     apart = end / (time.size - 1) if time.size > 1 else math.inf
     begin = result.counted_from if start is None else start
+    if begin < 0:
+        raise RequestError(f"{result.path.name}: from {begin:g} s: the run begins at 0 s")
     if stop is not None and not stop <= end * (1 + 1e-12) + 1e-6 * apart:
         raise RequestError(f"{result.path.name}: to {stop:g} s: the run ends at {end:g} s")
     first = int(np.searchsorted(time, begin - 1e-6 * apart))
@@ -440,7 +445,7 @@ def _full_scale(peak: float, wanted: float | None, normalize: bool, unit: str = 
                            f"numbers of a sound file go from {limits.tiny:.3g} to "
                            f"{limits.max:.3g}: expected a "
                            f"{'pressure' if unit == 'Pa' else 'velocity'} near the peak")
-    return wanted
+    return float(wanted)
 
 
 def _require_room(count: int, source: float, rate: int, result: Result) -> None:
@@ -494,8 +499,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
     """The pressure at microphones as sound, by `ra2d sound` with these options for their places."""
     from scipy.io import wavfile
 
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as messages:
-        warnings.simplefilter("always")
+    with tempfile.TemporaryDirectory() as folder, kept_notices() as messages:
         made = pathlib.Path(folder) / "heard.wav"
         words = program.options({"--slow": slow, "--rate": rate, "--full-scale": full_scale,
                                  "--normalize": bool(normalize),
@@ -504,8 +508,7 @@ def of_microphones(result: Result, places: Sequence[str], *, slow: float = 1, ra
         about = json.loads(made.with_name("heard.wav.json").read_text("utf-8"))
         found, samples = wavfile.read(made)
     del about["file"]
-    return Sound(samples.astype(float), int(found), about,
-                 tuple(str(one.message) for one in messages))
+    return Sound(samples.astype(float), int(found), about, tuple(messages))
 
 
 def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: float = 1,
@@ -515,6 +518,9 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     """The velocity of a probe as sound. `Result.listen` says what the options are."""
     _require("slow", slow, 1, MOST_SLOW)
     _require("rate", rate, *RATES)
+    if rate != int(rate):
+        raise RequestError(f"rate is {rate!r}: expected a whole number (Hz)")
+    start, stop = seconds("start", start), seconds("stop", stop)
     velocity = _choose_probe(result, body, probe)
     time = velocity.time.values
     part = _choose_stretch(result, time, start, stop)
@@ -528,7 +534,7 @@ def of_probe(result: Result, probe: int = 1, body: str = "resonator", *, slow: f
     heard = resample(values, source / slow, rate)
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize)
-    about = {"body": body, "probe": probe, "position": float(velocity.position),
+    about = {"body": body, "probe": int(probe), "position": float(velocity.position),
              "quantity": "velocity",
              "full_scale_m_per_s": scale, "peak_m_per_s": peak,
              "beyond_full_scale": int((np.abs(heard) > scale).sum()),

@@ -18,6 +18,7 @@ from .sealed import Seal, SealedFile
 
 # parts of xarray without types
 _lazy: Any = indexing.LazilyIndexedArray
+_copied_when_set: Any = indexing.CopyOnWriteArray  # the file stays as it is
 _variable: Any = xr.Variable
 
 
@@ -72,6 +73,12 @@ class File:
                             "again, "
                             "with ra2d.load or ra2d.load_study")
 
+    @property
+    def is_sealed(self) -> bool:
+        """Whether what is read of it is compared with a seal."""
+        self._seal = self._seal or Seal(self.path)
+        return self._seal.size > 0
+
     @contextlib.contextmanager
     def opened(self) -> Iterator[Any]:
         """The HDF5 file, open for reading as long as the block runs."""
@@ -111,7 +118,7 @@ class File:
             for name, of in dims.items():
                 if name in file[group]:
                     stored = file[group][name]
-                    values = _lazy(_Dataset(self, f"{group}/{name}", stored))
+                    values = _copied_when_set(_lazy(_Dataset(self, f"{group}/{name}", stored)))
                     variables[name] = _variable(of, values, _units(stored))
             coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
             return xr.Dataset({name: of for name, of in variables.items()

@@ -16,7 +16,8 @@ from .style import quantity
 _SUMS = ("damping_loss", "sliding_work", "load_work")  # energies since t = 0
 
 
-def _seconds(name: str, value: float | None) -> float | None:
+def seconds(name: str, value: float | None) -> float | None:
+    """A time that was given, as a number."""
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value,
@@ -34,7 +35,7 @@ class Stretch(Result):
         super().__init__(whole.path)
         self._file = whole._file  # that very file
         self._hears = whole._hears
-        self.start, self.stop = _seconds("start", start), _seconds("stop", stop)
+        self.start, self.stop = seconds("start", start), seconds("stop", stop)
         self.end = end = whole.duration
         self.first = 0.0 if self.start is None else self.start          # s
         self.last = end if self.stop is None else min(self.stop, end)   # s

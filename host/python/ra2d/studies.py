@@ -2,20 +2,21 @@
 """Studies: every combination of what is varied, in one table (docs/studies.md)."""
 from __future__ import annotations
 
+import copy
 import dataclasses
 import html
 import math
 import os
 import pathlib
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from . import files, program, progress, stored, toml
-from .errors import FileError, Notice, RequestError, SimulationError
+from .errors import FileError, RequestError, SimulationError, notice
 from .estimate import Estimate
 from .scenes import Scene, full_key, scene
 
@@ -60,8 +61,18 @@ class Law:
         return self.exponents[name]
 
     def level(self, **point: float) -> float:
-        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each dimension, in SI
-        units."""
+        """Level by the law [dB re 1 nm/s, or that of the sound] at a value of each of its
+        dimensions, in SI units. RequestError where one is missing, is none of the law, or is not
+        positive.
+
+        >>> getfixture("study").law().level(speed=0.3, rq=6e-6) > 100
+        True
+        """
+        if point.keys() != self.exponents.keys() or not all(
+                isinstance(value, int | float | np.number) and 0 < value < math.inf
+                for value in point.values()):
+            raise RequestError(f"the law is of {', '.join(self.exponents)}: expected a number > 0 "
+                               f"of each, in SI units, not {point}")
         return self.constant + sum(20 * e * math.log10(point[name])
                                    for name, e in self.exponents.items())
 
@@ -122,7 +133,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
     def _whole(self) -> dict[str, Any]:
         if not hasattr(self, "_answer"):
             raise RequestError(
-                "this is a part of a study: ask the whole one for its law, means and picture")
+                "this is a part of a study, or a copy: ask the whole one for its law, means and "
+                "picture")
         answer: dict[str, Any] = self._answer
         return answer
 
@@ -162,7 +174,7 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         exponents = {name: Estimate.of(e["value"], e, "", note)
                      for name, e in found["exponents"].items()}
         return Law(exponents, found["constant_db"], _number(found["deviation_db"]),
-                   _number(found["r_squared"]), found)
+                   _number(found["r_squared"]), copy.deepcopy(found))
 
     def means(self) -> pd.DataFrame:
         """Means over the seeds, a row for each combination: `runs`, then `level` [dB re 1 nm/s],
@@ -322,7 +334,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
     if "time.tolerance" in varied:
         what = what.change(scheme="adaptive")
     what = what.without(varied)
-    place = pathlib.Path(folder or "-".join([what.title, *dimensions])).resolve()
+    place = pathlib.Path(folder or "-".join([what.title, *(dimensions or ["seeds"])])).resolve()
     base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
     _write(file, _study_text(base, what, dimensions, seeds,
@@ -333,5 +345,5 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
         with progress.shown(show) as shown:
             program.follow(["study", file, "-o", place, *options], shown)
     except SimulationError as failed:
-        warnings.warn(str(failed), Notice, stacklevel=2)
+        notice(str(failed), stacklevel=2)
     return Study._of(place)

@@ -24,8 +24,18 @@ from .errors import FileError, RequestError
 from .results import Result
 from .scenes import Scene
 
+_masked: Any = np.ma  # without types
+
 # keys of a measured face that `ra2d surface measure` takes as options of the same name
 MEASURED = ("x_unit", "z_unit", "spacing", "decimal", "row", "column", "fill", "form", "cutoff_s")
+
+
+def _require_lengths(**given: Any) -> None:
+    """Raises RequestError for what is no positive number; None is left out."""
+    for name, value in given.items():
+        if value is not None and not (isinstance(value, int | float | np.number)
+                                      and 0 < value < np.inf):
+            raise RequestError(f"{name} is {value!r}: expected a number > 0 (m)")
 
 
 class Surface(dict[str, Any]):
@@ -49,6 +59,9 @@ class Surface(dict[str, Any]):
         >>> gaussian(rq=8e-6, rsm=1.55e-3, seed=7).heights(0.01, 1e-4, width=0.004).shape
         (40, 101)
         """
+        _require_lengths(spacing=spacing, width=width, spacing_y=spacing_y)
+        if width is None and spacing_y is not None:
+            raise RequestError("spacing_y is of the rows of a map: give its width, too")
         # two rigid bodies, for one step: the result holds the faces
         where: dict[str, Any] = {"duration": 1e-6, "speed": 0.0, "start": 0.0, "spacing": spacing}
         rough: dict[str, Any] = {"support": "rigid", "length": length, "width": width or 1.0,
@@ -129,7 +142,8 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
     """A face from an array of heights [m], `spacing` [m] apart: 1-D, or for an areal scene 2-D, of
     shape (rows, x), its rows of constant y `spacing_y` [m] apart, without it as far as the points.
     They are written to `path`, without it to a file in the current folder that is named by its
-    content: .csv, of a map .npy. `words`: as for `read`.
+    content: .csv, of a map .npy. `words`: as for `read`. Heights that are NaN or masked are
+    refused: fill the gaps first, as `np.interp` does.
 
     >>> array([0.0, 1e-6, 0.0, 2e-6], spacing=8e-6)["path"].endswith(".csv")
     True
@@ -138,22 +152,16 @@ def array(heights: npt.ArrayLike, spacing: float, path: str | os.PathLike[str] |
     """
     try:
         if np.iscomplexobj(heights):
-            raise TypeError("complex numbers are none")
-        # asarray drops a mask, and takes what stands behind it for heights
-        if isinstance(heights, np.ma.MaskedArray) and np.any(heights.mask):
-            raise TypeError("some are masked; fill them first")
-        z = np.asarray(heights, dtype=float)
+            raise TypeError("they are complex numbers")
+        z: npt.NDArray[np.float64] = _masked.filled(_masked.asarray(heights, dtype=float), np.nan)
     except (TypeError, ValueError) as fault:
         raise RequestError(f"a face is a row of heights in metres: {fault}") from fault
     if z.ndim not in (1, 2) or min(z.shape) < 2 or not np.isfinite(z).all():
         raise RequestError(
             "a face is a row of at least two finite heights in metres, or rows of them, not an "
             f"array of shape {z.shape} with {np.count_nonzero(~np.isfinite(z))} values that are "
-            "not finite")
-    for name, value in (("spacing", spacing), ("spacing_y", spacing_y)):
-        if value is not None and not (isinstance(value, int | float | np.number)
-                                      and 0 < value < np.inf):
-            raise RequestError(f"{name} is {value!r}: expected a number > 0 (m)")
+            "not finite, or are masked: fill such gaps first")
+    _require_lengths(spacing=spacing, spacing_y=spacing_y)
     if z.ndim == 2:
         return _map(z, float(spacing), float(spacing_y or spacing), path, words)
     if spacing_y is not None:

@@ -10,7 +10,7 @@ import pytest
 
 import ra2d
 from ra2d import budget as budgets
-from ra2d import realisations
+from ra2d import errors, realisations
 from ra2d.student import student_factor
 
 
@@ -226,6 +226,21 @@ def test_a_short_profile_that_is_repeated_has_no_offsets(base, folder):
 
 # ---- what goes wrong
 # --------------------------------------------------------------------------------
+
+def test_failed_runs_are_told_in_the_notes_alone(base, folder, monkeypatch):
+    run = budgets._run
+
+    def run_and_tell(*args, **options):
+        errors.notice("2 runs failed (--retry-failed runs them again):", stacklevel=1)
+        errors.notice("a doubt", stacklevel=1)
+        return run(*args, **options)
+
+    monkeypatch.setattr(budgets, "_run", run_and_tell)
+    with pytest.warns(ra2d.Notice, match="a doubt") as said:
+        ra2d.uncertainty(base.change(duration=0.005, rate=1e4), np.int64(2),
+                         folder=folder / "telling", show=False)
+    assert not any("failed" in str(one.message) for one in said)
+
 
 def test_runs_without_shocks_and_rigid_resonators(base, folder):
     """What does not exist is told, and no interval is made of it."""

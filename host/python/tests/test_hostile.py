@@ -11,13 +11,15 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import numpy as np
 import pytest
 
 import ra2d
-from ra2d import charts, files, program, toml
+from ra2d import charts, errors, files, program, toml
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +90,8 @@ def test_options_are_told_in_python(base, small):
     assert "--help" not in str(fault.value)
 
 
-@pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff"])
+@pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff",
+                                   (x for x in [0.1])])
 def test_values_that_no_scene_holds(base, value):
     with pytest.raises(ra2d.RequestError, match="a scene holds|cannot stand in a scene"):
         ra2d.run(base, speed=value, show=False)
@@ -276,6 +279,17 @@ def test_every_byte_that_is_read_is_compared_with_the_seal(small, tmp_path):
         ra2d.load(path)
 
 
+def test_of_a_file_without_a_seal_it_is_said(small, tmp_path):
+    """Its last bytes cut off, it opens: nothing tells then whether a number is the run's."""
+    path = tmp_path / "cut.h5"
+    path.write_bytes(small.path.read_bytes()[:-64])
+    with pytest.warns(ra2d.Notice, match="has no seal at its end(?s:.*)run its scene again"):
+        ra2d.load(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ra2d.load(small.path)
+
+
 def test_flipped_bits_and_cut_files(small, tmp_path):
     whole, path = small.path.read_bytes(), tmp_path / "flipped.h5"
     refused = 0
@@ -321,6 +335,12 @@ def test_wrong_parts_of_a_result(small, monkeypatch):
     for time_ in (99.0, -1.0, float("nan"), [0.001, 0.02]):
         with pytest.raises(ra2d.RequestError, match="the samples go from 0 to 0.01 s"):
             small.field(time_)
+    for time_ in (slice(0.002, 0.001), slice(5, 6), slice(float("nan"), None)):
+        with pytest.raises(ra2d.RequestError, match="there is no sample, they go from 0 to 0.01 s"):
+            small.field(time_)
+    for time_ in (slice("a", "b"), slice(0, 0.01, 10)):
+        with pytest.raises(ra2d.RequestError, match="expected a slice of two numbers"):
+            small.field(time_)
     with pytest.raises(ra2d.RequestError, match="expected numbers"):
         small.field("now")
     monkeypatch.setattr("os.sysconf", lambda name: 1000)
@@ -328,11 +348,55 @@ def test_wrong_parts_of_a_result(small, monkeypatch):
         small.field(slice(None))
 
 
+def test_threads_write_into_one_folder(tmp_path, monkeypatch):
+    """Each its own file: a face of one thread had the heights of another."""
+    both, write = threading.Barrier(2, timeout=20), pathlib.Path.write_bytes
+
+    def write_and_wait(path, data):
+        write(path, data)
+        both.wait()
+
+    monkeypatch.setattr(pathlib.Path, "write_bytes", write_and_wait)
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda name: files.write(tmp_path / name, name), "ab"))
+    assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {"a": "a", "b": "b"}
+
+
+def test_threads_keep_their_notices_apart(base):
+    """Those of one were taken for the other's, or Notices were ignored from then on."""
+    both, scene = threading.Barrier(2, timeout=20), base.change(speed="100 mm/s")
+
+    def keep(text):
+        with errors.kept_notices() as kept:
+            both.wait()
+            errors.notice(text, 1)
+            both.wait()
+        return kept
+
+    before = list(warnings.filters)
+    with ThreadPoolExecutor(2) as pool:
+        assert list(pool.map(keep, "ab")) == [["a"], ["b"]]
+        assert set(pool.map(lambda _: scene["speed"], range(12))) == {0.1}
+    assert warnings.filters == before
+    with pytest.warns(ra2d.Notice, match="afterwards"):
+        errors.notice("afterwards", 1)
+
+
 def test_sounds_and_pictures_that_cannot_be(small):
     for name, bits, words in (("x.mp9", 24, "ends in .wav or .flac"),
                               ("x.wav", 99, "expected 16, 24, 32 or 'float'")):
         with pytest.raises(ra2d.RequestError, match=words):
             small.listen().save(name, bits)
+    for options, words in (({"rate": 44100.5}, "rate is 44100.5: expected a whole number"),
+                           ({"probe": 1.5}, "expected 1 to 1"), ({"probe": "1"}, "expected 1 to 1"),
+                           ({"start": "0.001"}, "start is '0.001': expected a time"),
+                           ({"start": -1}, "from -1 s: the run begins at 0 s"),
+                           ({"stop": np.nan}, "stop is nan: expected a time")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            small.listen(**options)
+    made = small.listen(np.int64(1), rate=np.int64(44100), slow=np.float32(2),
+                        full_scale=np.float32(0.5))
+    assert made.rate == 44100 and '"full_scale_m_per_s": 0.5' in made.about_text("x.wav")
     for wrong in ([], ["hostile.h5"]):
         with pytest.raises(ra2d.RequestError, match="one or more results"):
             ra2d.plot(wrong)
@@ -342,10 +406,19 @@ def test_sounds_and_pictures_that_cannot_be(small):
 def test_heights_that_are_none():
     for heights, spacing, words in ((["a", "b"], 1e-6, "row of heights"),
                                     ([0, 1j], 1e-6, "row of heights"),
+                                    (np.array([0, 1j]), 1e-6, "complex"),
+                                    (np.ma.masked_greater([0, 1e-6, 5.0], 1), 1e-6, "masked"),
                                     ([0, 1e-6], "a", "spacing is 'a'"),
                                     ([0, 1e-6], np.inf, "spacing is inf")):
         with pytest.raises(ra2d.RequestError, match=words):
             ra2d.surface.array(heights, spacing)
+    face = ra2d.surface.gaussian(rq=1e-6, rsm=1e-3, seed=1)
+    for sizes, words in (({"width": 0}, "width is 0: expected a number > 0"),
+                         ({"width": 0.001, "spacing_y": 0}, "spacing_y is 0"),
+                         ({"spacing": "8 um"}, "spacing is '8 um'"),
+                         ({"spacing_y": 1e-4}, "give its width, too")):
+        with pytest.raises(ra2d.RequestError, match=words):
+            face.heights(**{"length": 0.01, "spacing": 1e-4, **sizes})
 
 
 def test_a_table_that_is_damaged(tmp_path):

@@ -28,6 +28,22 @@ def test_level_and_rate_are_those_of_analyze(result):
     assert len(result.shocks) == messages["shocks"]["count"]
 
 
+def test_an_analysis_is_its_callers_own(result):
+    """What is changed in it changes no later answer."""
+    found, level = result.analysis(), float(result.level)
+    found["lv"] += 20
+    found["bands"]["level"].clear()
+    assert result.level == level and result.bands().sizes["frequency"] > 10
+
+
+def test_what_was_read_can_be_set(result):
+    """As of any Dataset; the file stays as it is."""
+    probes = result.probes
+    probes.velocity[:1000] = 0
+    assert float(abs(probes.velocity[:1000]).max()) == 0 < float(abs(probes.velocity).max())
+    assert float(abs(result.probes.velocity[:1000]).max()) > 0
+
+
 def test_a_level_without_interval_says_why(base, folder):
     short = ra2d.run(base, duration=0.01, output=folder / "short.h5", show=False)
     assert np.isnan(short.level.low) and "too short" in short.level.note

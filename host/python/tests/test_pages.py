@@ -610,6 +610,15 @@ def test_microphones_can_be_named_for_a_picture_and_a_page(result, folder):
     found = heard.analysis()["microphones"]
     assert "microphones" not in result.analysis() and len(found) == 2
     assert heard.analysis()["air"]["sound_speed"] == pytest.approx(349, abs=0.5)
+    # also where other places are asked for, as an array, too
+    elsewhere = heard.analysis(at=np.array([[0.15, 0.1, 0.5]]))
+    assert elsewhere["air"] == heard.analysis()["air"]
+    assert elsewhere["microphones"][0]["lp"] == pytest.approx(found[0]["lp"], rel=1e-9)
+    for wrong in ((0.15, 0.1, 0.5), [(0.15, 0.1)], [(0, 0, 1), (0, 1)], ["0,0,1"], 0.5):
+        for use in (result.with_microphones, lambda at: result.analysis(at=at),
+                    lambda at: result.listen(at=at)):
+            with pytest.raises(ra2d.RequestError, match="expected microphones of three numbers"):
+                use(wrong)
     figure = heard.plot("level", start=0.2, stop=0.6)
     line, *_ = figure.axes[1].get_lines()
     history = heard.analysis(start=0.2, stop=0.6)["microphones"][0]["history"]

@@ -79,9 +79,12 @@ def test_each_exit_status_is_an_exception(fake, status, kind):
 
 
 def test_a_crash_is_told(fake):
-    fake("ra2d 0.1.0 (x)", "kill -SEGV $$")
-    with pytest.raises(ra2d.Error, match="signal 11|status -11"):
-        program.follow(["x"], lambda text: None)
+    for signal, kind, words in (("SEGV", ra2d.ProgramError, "crashed: signal 11, Segm"),
+                                ("KILL", ra2d.Interrupted, "signal 9 ended the program")):
+        fake("ra2d 0.1.0 (x)", f"kill -{signal} $$")
+        for call in (lambda: program.call("x"), lambda: program.follow(["x"], lambda text: None)):
+            with pytest.raises(kind, match=words):
+                call()
 
 
 def test_a_fault_of_the_scene_has_the_programs_words():

@@ -75,6 +75,17 @@ def test_a_text_with_a_unit_is_the_number_that_the_program_reads():
         cube.change(speed="100 mm")["speed"]
 
 
+def test_a_scene_never_changes():
+    """Neither with what it was made of, nor with what it gave."""
+    probes = [0.1, 0.15]
+    one = ra2d.scene("dang2012").change(probes=probes)
+    probes.append(0.2)
+    one.changes["scene.speed"] = 9.0
+    one.changes["output.probes"].append(0.2)
+    one.content()["output"]["probes"].append(0.2)
+    assert one["probes"] == [0.1, 0.15] and one["speed"] == 0.1
+
+
 def test_names_of_scenes():
     with pytest.raises(ra2d.RequestError,
                        match="no scene 'dang2021'. Scenes .*dang2012, dang2012-pinned.*peaks"):
@@ -96,6 +107,8 @@ def test_output_names_keep_runs_apart(base):
     assert output_name(base.change(speed=0.2)) != output_name(base.change(speed=0.3))
     assert output_name(base.change(speed=0.2).change(load=1.0)) == output_name(
         base.change(load=1.0).change(speed=0.2))
+    assert output_name(base.change({"slider.surface.seed": 3})) != output_name(
+        base.change({"resonator.surface.seed": 3}))
     long = base.change({"output.probes": list(np.linspace(0, 0.3, 50))})
     assert len(output_name(long)) < 100 and output_name(long) != output_name(long.change(speed=1.0))
 

@@ -162,6 +162,13 @@ def test_of_a_file_that_is_saved_it_is_said(tmp_path):
         made.save(tmp_path / "s.wav", 16)
 
 
+def test_what_the_rates_spoil_is_said_of_a_file_and_beside_the_player(tmp_path):
+    made = sound.of_probe(moving(sine(1000, 3e-3), modes=(100, 60e3)))
+    assert "output.rate is too low" in made._repr_html_()
+    with pytest.warns(ra2d.Notice, match="output.rate is too low"):
+        made.save(tmp_path / "s.wav")
+
+
 @pytest.mark.parametrize("rate, fine", [(65535, True), (65536, False), (96001, False),
                                         (96010, True)])
 def test_rates_of_a_flac(rate, fine, tmp_path):

@@ -34,6 +34,21 @@ def test_law_and_means_are_those_of_analyze(study):
         point["lv"]["mean"], point["lv"]["low"], point["shock_rate"]["high"])
     v_rms = answer["law"]["factor"] * 0.3 ** law["speed"] * 6e-6 ** law["rq"]
     assert law.level(speed=0.3, rq=6e-6) == pytest.approx(20 * np.log10(v_rms / 1e-9), abs=1e-9)
+    law.about["exponents"]["rq"]["value"] = 0  # a caller's own
+    assert study.law()["rq"] == law["rq"] != 0
+    for point in ({}, {"speed": 0.3}, {"speed": 0.3, "rq": 6e-6, "load": 2}, {"speed": 0, "rq": 1},
+                  {"speed": float("nan"), "rq": 6e-6}, {"speed": "0.3 m/s", "rq": 6e-6}):
+        with pytest.raises(ra2d.RequestError, match="the law is of speed, rq: expected a number"):
+            law.level(**point)
+
+
+def test_a_study_of_seeds_alone_leaves_its_scene_alone(base, folder):
+    """Its folder, and the file beside it, are not called as the scene."""
+    scene = folder / "plate.toml"
+    scene.write_text(base.text())
+    study = ra2d.study(ra2d.scene(scene).change(base.changes, duration=0.005), {}, seeds=2,
+                       show=False)
+    assert study.folder.name == "plate-seeds" and scene.read_text() == base.text()
 
 
 def test_a_part_has_no_law(study):
