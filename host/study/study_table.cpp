@@ -397,8 +397,8 @@ StudyAnswers read_table(hid_t file) {
     } else {
       axis.numbers = read_numbers(dataset);
       axis.units = read_text_attribute(dataset, "units");
-      axis.keys = read_text_attribute(dataset, "long_name");
     }
+    axis.keys = read_text_attribute(dataset, "long_name");
     answers.axes.push_back(std::move(axis));
   }
   std::vector<hsize_t> shape;
