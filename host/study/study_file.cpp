@@ -378,8 +378,8 @@ Study parse_snapshot(const std::string& text, const std::filesystem::path& file)
     const auto json = nlohmann::json::parse(text);
     if (json.at("format") != snapshot_format)  // which may be a number that no int holds
       throw FileError(
-          fmt::format("'{}': written by another version of ra2d: run the study again "
-                      "with this one",
+          fmt::format("'{}' was written by another version of ra2d: move it away and run the "
+                      "study's line again, which writes it anew",
                       file.string()));
     Study study =
         parse_study(json.at("study").get<std::string>(), json.at("file").get<std::string>(),

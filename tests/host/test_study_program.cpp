@@ -342,6 +342,19 @@ TEST_F(StudyProgram, ASnapshotThatIsNoneIsMovedAwayAsItIsSaid) {
   }
 }
 
+TEST_F(StudyProgram, ASnapshotOfAnotherVersionIsMovedAwayAsItIsSaid) {
+  write_study(1);
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  std::ofstream(folder_ / "out/study.json") << "{\"study\": {}, \"format\": 7}\n";
+  const std::vector<std::string> status{test::program(), "study", "status", "out"};
+  EXPECT_THAT(test::run_program(folder_, status).err,
+              AllOf(HasSubstr("another version of ra2d"), HasSubstr("move it away")));
+  fs::rename(folder_ / "out/study.json", folder_ / "old.json");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("finished already"));
+  EXPECT_EQ(test::run_program(folder_, status).status, 0);
+}
+
 TEST_F(StudyProgram, ATextOfTwoLinesStaysInItsRow) {
   std::ofstream(folder_ / "named.toml") << R"(
 base = "base.toml"
