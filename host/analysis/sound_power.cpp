@@ -246,7 +246,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
 }
 
 SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) {
-  SoundLevels found{quiet_nan, quiet_nan, quiet_nan, quiet_nan, {}};
+  SoundLevels found{quiet_nan, quiet_nan, quiet_nan, quiet_nan, {}, {}};
   try {
     const SoundRequest request = SoundRequest{}.completed(scene);
     const ResultReader reader(file);
@@ -261,10 +261,17 @@ SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) 
     for (const HeardSound& sound : hear(reader, resonator, stretch, file, request)) {
       const MicrophoneLevels levels = levels_of(sound, reader.contents().rate,
                                                 reader.contents().resonator_frequency, quiet_nan);
+      const std::string warning = warning_of(levels);
+      if (!warning.empty() && found.warnings.empty())
+        found.warnings.push_back("sound pressure: " + warning);
       square += std::pow(10, levels.lp / 10);
       square_a += std::pow(10, levels.lp_a / 10);
       shortest = std::max(shortest, levels.shortest);
     }
+    if (const std::string warning =
+            above_modes_text(power.share_above, last_mode(reader.contents().resonator_frequency));
+        !warning.empty())
+      found.warnings.push_back("sound power: " + warning);
     if (std::isnan(power.watts) || std::isnan(square_a))
       found.why_none = (std::isnan(power.watts) ? "no sound power and no dB(A): "
                                                 : "no dB(A) at the microphones: ") +

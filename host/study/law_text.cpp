@@ -11,6 +11,7 @@
 #include "host/result/level.hpp"
 #include "host/scene_file/key_facts.hpp"
 #include "host/study/law.hpp"
+#include "host/study/study_warnings.hpp"
 
 namespace ra2d {
 namespace {
@@ -214,6 +215,7 @@ std::string describe_study(const StudyAnswers& answers, const std::string& name,
                   answers.status.size(), done, answers.status.size() - done - missing, missing);
   if (!answers.v_rms.empty()) text += means_text(answers, most_rows);
   text += sound_text(answers, most_rows);
+  text += warnings_text(answers);
   std::string why;
   const auto law = law_if_any(answers, vibration, why);
   text += law ? law_text(*law) : fmt::format("  {}\n", why);
@@ -262,6 +264,10 @@ std::string study_json(const StudyAnswers& answers, const std::string& title) {
     points.push_back(std::move(point));
   }
   json["points"] = std::move(points);
+  json["warnings"] = nlohmann::ordered_json::array();
+  for (const SharedWarning& warning : shared_warnings(answers))
+    json["warnings"].push_back(
+        {{"text", warning.text}, {"runs", warning.runs}, {"first", warning.first}});
   std::string why;
   if (const auto law = law_if_any(answers, vibration, why)) {
     json["law"] = json_law(*law);

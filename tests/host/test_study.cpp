@@ -29,6 +29,7 @@
 #include "host/study/study_advice.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
+#include "host/study/study_warnings.hpp"
 #include "host/study/study_worker.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
@@ -1090,6 +1091,25 @@ TEST(StudyLaw, SaysWhyThereIsNone) {
                 }));
               }),
               HasSubstr("do not vary all of the dimensions by themselves"));
+}
+
+/// Warnings that differ in their numbers alone are one, counted once a run; failures are none.
+TEST(StudyWarnings, AreCountedByTheirKind) {
+  StudyAnswers answers = answers_of(
+      {{"speed", {0.1, 0.2}, {}}, {"seed", {0, 5}, {}}},
+      [](const std::vector<double>& x) { return x[0] > 0.15 && x[1] > 0 ? std::nan("") : 1.0; });
+  answers.messages = {"", "12 % are lost at 1e-05 s\n3 % are lost at 2 s",
+                      "8 % are lost at 4 s\nanother one", "12 % are lost at 1 s"};
+  const std::vector<SharedWarning> found = shared_warnings(answers);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].text, "12 % are lost at 1e-05 s");
+  EXPECT_EQ(found[0].runs, 2u);
+  EXPECT_EQ(found[0].first, "speed = 0.1, seed 5");
+  EXPECT_EQ(found[1].runs, 1u);
+  EXPECT_THAT(describe_study(answers, "x"),
+              HasSubstr("warning          2 of 3 runs (the first: speed = 0.1, seed 5): 12 %"));
+  answers.messages.clear();
+  EXPECT_TRUE(shared_warnings(answers).empty());
 }
 
 TEST(StudyLaw, MeansAreOverTheSeeds) {

@@ -526,6 +526,22 @@ TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
               AllOf(HasSubstr("Lp: no law yet"), HasSubstr("Lw = ")));
 }
 
+TEST_F(StudyProgram, SaysHowManyRunsWarnOfWhat) {
+  write_study(2,
+              "keep = [\"level\", \"sound\"]\n[set]\n\"scene.duration\" = 0.03\n"
+              "\"output.microphones\" = [{ x = 0.1, y = 0.05, z = 0.2 }]\n"
+              "\"resonator.modes\" = 1\n");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("8 of 8 runs (the first: speed = 0.1, load = 0.25, seed 0): sound "
+                              "pressure: "));
+  const auto json = nlohmann::json::parse(
+      test::run_program(folder_, {test::program(), "analyze", "out", "--json"}).out);
+  ASSERT_EQ(json["warnings"].size(), 2) << json["warnings"];
+  EXPECT_EQ(json["warnings"][0]["runs"], 8);
+  EXPECT_THAT(std::string(json["warnings"][1]["text"]), HasSubstr("above the last mode"));
+  EXPECT_EQ(json["warnings"][1]["first"], "speed = 0.1, load = 0.25, seed 0");
+}
+
 TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {
   write_study(1, "keep = [\"level\", \"files\"]");
   ASSERT_EQ(run({"study.toml", "-o", "out", "--quiet"}), 0) << err_;
