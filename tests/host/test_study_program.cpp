@@ -342,6 +342,13 @@ TEST_F(StudyProgram, ASnapshotThatIsNoneIsMovedAwayAsItIsSaid) {
   }
 }
 
+TEST_F(StudyProgram, ABaseThatIsNotThereIsNamedWithTheCure) {
+  std::ofstream(folder_ / "study.toml") << "base = \"areal\"\nseeds = 1\n";
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 4);
+  EXPECT_THAT(err_, AllOf(HasSubstr("areal'"), HasSubstr("expected a scene"),
+                          HasSubstr("'ra2d scenes NAME > base.toml'")));
+}
+
 TEST_F(StudyProgram, ASnapshotOfAnotherVersionIsMovedAwayAsItIsSaid) {
   write_study(1);
   ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
