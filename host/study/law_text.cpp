@@ -123,6 +123,7 @@ nlohmann::ordered_json json_law(const StudyLaw& law) {
           {"runs", law.runs},
           {"seeds", law.seeds},
           {"drawn_by", law.drawn_by},
+          {"intervals", intervals_text(law)},
           {"straight_line", json_line(law.line)},
           {"left_out", law.left_out},
           {"pooled", law.pooled}};
