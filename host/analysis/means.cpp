@@ -151,9 +151,10 @@ std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) 
           results[0]->file.string(), results.size() > 2 ? "," : " and", results[1]->file.string(),
           results.size() > 2 ? fmt::format(" and {} more", results.size() - 2) : "",
           results.size()));
-  const auto other = std::find_if(analyses.begin(), analyses.end(), [&](const Analysis& one) {
-    return one.scene && analyses.front().scene &&
-           text_without_faces(*one.scene) != text_without_faces(*analyses.front().scene);
+  if (analyses.size() < 2 || !analyses.front().scene) return doubts;
+  const std::string first = text_without_faces(*analyses.front().scene);
+  const auto other = std::find_if(analyses.begin() + 1, analyses.end(), [&](const Analysis& one) {
+    return one.scene && text_without_faces(*one.scene) != first;
   });
   if (other != analyses.end())
     doubts.push_back(

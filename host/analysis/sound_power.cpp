@@ -21,25 +21,27 @@ namespace {
 
 constexpr double most_line_bytes = 256e6;  // of the lines of all modes in one piece
 constexpr double matters = 0.1;            // of the damping
-constexpr double turn = 0.35;  // rad from grid to grid: the polynomial is then right to 1e-5
+constexpr long half_order = 5;             // points of the polynomial to either side of a frequency
+constexpr double turn = 0.72;  // rad from grid to grid: the polynomial is then right to 1e-5
 constexpr std::size_t least_piece = 1 << 14;  // samples
 
-/// Resistances at any frequency, by Lagrange's polynomial through six of an even grid. R has no
+/// Resistances at any frequency, by Lagrange's polynomial through ten of an even grid. R has no
 /// component faster than the way over the face, and is even in frequency.
 class ResistanceBetween {
  public:
   ResistanceBetween(const RadiationResistance& resistance, double apart)
       : resistance_{resistance}, apart_{apart} {}
 
-  /// Frequencies that rise from call to call: what is behind is forgotten.
+  /// Of all groups. Frequencies rise from call to call: what is behind is forgotten.
   const std::vector<double>& operator()(double frequency) {
     const double place = frequency / apart_;
     const long cell = static_cast<long>(std::floor(place));
-    std::erase_if(cached_, [&](const auto& entry) { return entry.first < cell - 2; });
+    const long first = cell + 1 - half_order, last = cell + half_order;
+    std::erase_if(cached_, [&](const auto& entry) { return entry.first < first; });
     std::fill(found_.begin(), found_.end(), 0.0);
-    for (long i = cell - 2; i <= cell + 3; ++i) {
+    for (long i = first; i <= last; ++i) {
       double weight = 1;
-      for (long j = cell - 2; j <= cell + 3; ++j)
+      for (long j = first; j <= last; ++j)
         if (j != i) weight *= (place - static_cast<double>(j)) / static_cast<double>(i - j);
       const std::vector<double>& values = at(std::abs(i));
       found_.resize(values.size());
@@ -52,8 +54,15 @@ class ResistanceBetween {
   const std::vector<double>& at(long i) {
     const auto old = cached_.find(i);
     if (old != cached_.end()) return old->second;
-    return cached_.emplace(i, resistance_.lower_half(static_cast<double>(i) * apart_))
-        .first->second;
+    constexpr long at_once = 16;
+    const long first = i / at_once * at_once;
+    std::vector<double> frequencies;
+    for (long n = first; n < first + at_once; ++n)
+      frequencies.push_back(std::min(static_cast<double>(n) * apart_, resistance_.highest()));
+    auto values = resistance_.of_groups(frequencies);
+    for (long n = first; n < first + at_once; ++n)
+      cached_[n] = std::move(values[static_cast<std::size_t>(n - first)]);
+    return cached_[i];
   }
 
   const RadiationResistance& resistance_;
@@ -102,19 +111,28 @@ struct PieceSpectrum {
   }
 };
 
-/// v^H R v, R symmetric and real: its rows up to the diagonal, one after another.
-double form_of(const std::vector<double>& r, const std::complex<double>* v, std::size_t size) {
+/// v^H R v, R symmetric and real, of groups of modes that couple: the groups' rows up to the
+/// diagonal, one after another.
+double form_of(const std::vector<double>& r, const std::vector<std::vector<std::size_t>>& groups,
+               const std::complex<double>* v) {
   const double* row = r.data();
   double sum = 0;
-  for (std::size_t k = 0; k < size; row += ++k) {
-    double re = 0, im = 0;
-    for (std::size_t l = 0; l < k; ++l) {
-      re += row[l] * v[l].real();
-      im += row[l] * v[l].imag();
+  std::vector<double> real, imaginary;
+  for (const std::vector<std::size_t>& group : groups) {
+    real.clear();
+    imaginary.clear();
+    for (std::size_t k = 0; k < group.size(); row += ++k) {
+      double re = 0, im = 0;
+      for (std::size_t l = 0; l < k; ++l) {
+        re += row[l] * real[l];
+        im += row[l] * imaginary[l];
+      }
+      real.push_back(v[group[k]].real());
+      imaginary.push_back(v[group[k]].imag());
+      re = 2 * re + row[k] * real[k];
+      im = 2 * im + row[k] * imaginary[k];
+      sum += re * real[k] + im * imaginary[k];
     }
-    re = 2 * re + row[k] * v[k].real();
-    im = 2 * im + row[k] * v[k].imag();
-    sum += re * v[k].real() + im * v[k].imag();
   }
   return sum;
 }
@@ -177,7 +195,8 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
   const double highest = rate / 2;
   const double apart = turn * resonator.air.sound_speed /
                        (2 * M_PI * std::hypot(resonator.face.length, resonator.face.width));
-  const RadiationResistance resistance(resonator.face, resonator.air, highest + 4 * apart);
+  const RadiationResistance resistance(resonator.face, resonator.air,
+                                       highest + (half_order + 1) * apart);
   const auto ones = lines_of(fourier, length, [](std::size_t) { return 1.0; });
   const auto ramp = lines_of(fourier, length, [](std::size_t n) { return static_cast<double>(n); });
   std::vector<double> power(lines), square(lines);
@@ -201,7 +220,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
             std::norm(bends ? v[k] + ends[k].first * ones[j] + ends[k].slope * ramp[j] : v[k]);
       }
       const double own = 2 * j == fourier.length() ? scale / 2 : scale;
-      power[j] += own * form_of(between(whole.frequency(j)), v, modes.size());
+      power[j] += own * form_of(between(whole.frequency(j)), resistance.groups(), v);
       square[j] += own * squares / resonator.extent;
     }
   }
@@ -227,7 +246,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
 }
 
 SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) {
-  SoundLevels found{quiet_nan, quiet_nan, quiet_nan, quiet_nan, {}};
+  SoundLevels found{quiet_nan, quiet_nan, quiet_nan, quiet_nan, {}, {}};
   try {
     const SoundRequest request = SoundRequest{}.completed(scene);
     const ResultReader reader(file);
@@ -242,10 +261,17 @@ SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) 
     for (const HeardSound& sound : hear(reader, resonator, stretch, file, request)) {
       const MicrophoneLevels levels = levels_of(sound, reader.contents().rate,
                                                 reader.contents().resonator_frequency, quiet_nan);
+      const std::string warning = warning_of(levels);
+      if (!warning.empty() && found.warnings.empty())
+        found.warnings.push_back("sound pressure: " + warning);
       square += std::pow(10, levels.lp / 10);
       square_a += std::pow(10, levels.lp_a / 10);
       shortest = std::max(shortest, levels.shortest);
     }
+    if (const std::string warning =
+            above_modes_text(power.share_above, last_mode(reader.contents().resonator_frequency));
+        !warning.empty())
+      found.warnings.push_back("sound power: " + warning);
     if (std::isnan(power.watts) || std::isnan(square_a))
       found.why_none = (std::isnan(power.watts) ? "no sound power and no dB(A): "
                                                 : "no dB(A) at the microphones: ") +

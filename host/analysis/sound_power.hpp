@@ -40,6 +40,7 @@ struct SoundLevels {
   double lp, lp_a;       // dB re 20 uPa, by the mean squared pressure over the scene's microphones
   double lw, lw_a;       // dB re 1 pW, of the power to one side
   std::string why_none;  // empty where all of them are there
+  std::vector<std::string> warnings;
 };
 /// `scene`: that of the result. What there is not is NaN.
 SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file);

@@ -24,6 +24,7 @@
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
 #include "host/run/run_json.hpp"
+#include "host/run/run_warnings.hpp"
 #include "host/run/zoom.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -50,19 +51,6 @@ void show_run_progress(const Progress& p) {
   show(fmt::format("{:5.1f} %  {:.4f} of {:g} s   {:.3g} million steps/s   {} left ",
                    100 * p.time / p.duration, p.time, p.duration, p.steps_per_second * 1e-6,
                    clock_text(p.left)));
-}
-
-constexpr double much_energy = 0.05;  // of the largest term of the balance
-
-/// The likely reason of a balance that does not close.
-std::string energy_text(const Scene& scene, const EnergyBalance& energy) {
-  const std::string far =
-      fmt::format("{:.0f} % of the energy is unaccounted for: ", 100 * energy.closure());
-  if (scene.contact.law == ContactLaw::multiplier && energy.residual < 0)
-    return far + "under multipliers each impact takes some, and is meant to";
-  if (is_adaptive(scene)) return far + "a smaller time.tolerance is needed";
-  return far + fmt::format("steps of {:g} s are too long here; try a tenth, or another time.scheme",
-                           scene.time.step);
 }
 
 void print_title(const Scene& scene, const RunReport& r) {
@@ -99,33 +87,6 @@ void print_shocks(const RunReport& r) {
                                          r.peak_force_median, r.peak_force_90));
 }
 
-/// The tolerance counts for the motion of both bodies together. Where contact holds next to nothing
-/// of its energy, as under a light slider on a plate that other forces bend, it says little about
-/// contact forces: they are off by some tolerance/sqrt(share) and, after many shocks, more. Empty
-/// where that is little.
-std::string tolerance_text(const Scene& scene, double contact_share) {
-  constexpr double much = 0.01, little = 1e-4;  // of a force
-  constexpr double best = 1e-12;                // tolerance, about
-  if (!is_adaptive(scene) || !(contact_share > 0)) return {};
-  const double tolerance = scene.time.tolerance.value_or(usual_tolerance),
-               part = std::sqrt(contact_share);
-  const double better = std::max(best, std::pow(10, std::floor(std::log10(little * part))));
-  if (!(tolerance > much * part) || !(better < tolerance)) return {};
-  return fmt::format(
-      "contacts hold {:.1g} of the energy, beside which time.tolerance = {:g} says little about "
-      "them: forces and shocks may be off by {:.0f} % and more. Try {:.0e}",
-      contact_share, tolerance, std::min(100.0, 100 * tolerance / part), better);
-}
-
-/// Warnings that a reader of the figures should not overlook.
-std::vector<std::string> warnings_of(const Scene& scene, const RunReport& r) {
-  std::vector<std::string> warnings;
-  if (r.energy.closure() > much_energy) warnings.push_back(energy_text(scene, r.energy));
-  if (std::string text = tolerance_text(scene, r.contact_share_of_energy); !text.empty())
-    warnings.push_back(std::move(text));
-  return warnings;
-}
-
 void print_energy(const EnergyBalance& energy) {
   print_line("energy",
              energy.samples < 2
@@ -155,7 +116,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
   print_line("nodes evaluated", fmt::format("{:.4g} a step, on average", r.nodes_evaluated));
   print_energy(r.energy);
-  for (const std::string& warning : warnings_of(scene, r)) print_line("warning", warning);
+  for (const std::string& warning : warnings_of(scene, r, {})) print_line("warning", warning);
   print_cost(r);
   print_line("file", printable(output.string()));
 }
@@ -317,19 +278,14 @@ int run_scene(RunRequest& request) {
     if (request.json) {
       RunReport there = report_of_file(output);
       there.resumable = zooms.resumable;
+      there.doubts = report.doubts;
       print_text(run_json(scene, there, output, zooms.status, zooms.files, sound));
     }
     return zooms.status;
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
   const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
-  if (request.json) {
-    std::vector<std::string> warnings = warnings_of(scene, report);
-    for (const MicrophoneLevels& m : sound.microphones)
-      if (std::string warning = warning_of(m); !warning.empty())
-        warnings.push_back(std::move(warning));
-    say_doubts(warnings, common.quiet);
-  }
+  if (request.json) say_doubts(warnings_of(scene, report, sound), common.quiet);
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
   const int status =

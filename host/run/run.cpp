@@ -235,6 +235,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
     files.remove();
     RunReport report;
     report.ending = Ending::there;
+    report.doubts = std::move(model.doubts);
     return report;
   }
   if (options.fresh) files.remove();
@@ -255,6 +256,7 @@ RunReport run(const Scene& scene, const RunOptions& options) {
   ModalStart start = make_start(model);
 
   const bool goes_on = before.has_value();
+  std::vector<std::string> doubts = model.doubts;
   const MeanSquares mean_squares = header.resonator.mean_square;
   try {
     files.record(std::move(header), before);
@@ -262,7 +264,9 @@ RunReport run(const Scene& scene, const RunOptions& options) {
                  options);
     const OrderlyEnd orderly;  // before, there is nothing to keep
     run.march();
-    return run.finish(beyond_limit);
+    RunReport report = run.finish(beyond_limit);
+    report.doubts = std::move(doubts);
+    return report;
   } catch (const FileError& fault) {
     // what a failure to write has cost, and what it has not
     throw FileError(fault.what() +

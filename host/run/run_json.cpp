@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "host/run/run_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/analysis/analysis.hpp"
 #include "host/base/errors.hpp"
 #include "host/base/quiet_nan.hpp"
+#include "host/run/run_warnings.hpp"
 #include "host/scene_file/scene_file.hpp"
 #include "host/store/result_reader.hpp"
 
@@ -41,6 +44,18 @@ Json mesh_json(const MeshTone& mesh) {
           {"stands_out", mesh.stands_out()}};
 }
 
+/// All that the run warns of, each once: doubts of two faces may be the same.
+std::vector<std::string> all_warnings(const Scene& scene, const RunReport& r,
+                                      const SceneSound& sound) {
+  std::vector<std::string> all = r.doubts;
+  for (std::string& warning : warnings_of(scene, r, sound)) all.push_back(std::move(warning));
+  std::vector<std::string> once;
+  for (std::string& warning : all)
+    if (std::find(once.begin(), once.end(), warning) == once.end())
+      once.push_back(std::move(warning));
+  return once;
+}
+
 }  // namespace
 
 std::string run_json(const Scene& scene, const RunReport& r, const std::filesystem::path& output,
@@ -72,6 +87,7 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
             {"energy", energy_json(r.energy)},
             {"mesh_tone", mesh_json(r.mesh)},
             {"beyond_limit", r.beyond_limit.empty() ? Json() : Json(r.beyond_limit)},
+            {"warnings", all_warnings(scene, r, sound)},
             {"wall_seconds", r.wall_seconds},
             {"march_seconds", r.march_seconds},
             {"read_back_seconds", r.read_back_seconds},
@@ -86,6 +102,7 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
            {"lpa", m.lp_a},
            {"no_lpa", std::isnan(m.lp_a) ? too_short_text(m.shortest) : ""},
            {"share_above_last_mode", m.share_above},
+           {"warning", warning_of(m)},
            {"lp_interval", limits_json(m.intervals.level)}});
     json["no_sound"] = sound.why_none;
   }

@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
 #include "host/analysis/distributions.hpp"
 #include "host/base/decompositions.hpp"
@@ -16,33 +16,25 @@
 #include "host/base/quiet_nan.hpp"
 #include "host/result/level.hpp"
 #include "host/study/clusters.hpp"
+#include "host/study/draws.hpp"
 #include "host/study/straight_line.hpp"
 
 namespace ra2d {
 namespace {
 
-/// Whether its numbers choose among faces, and measure nothing. They are those of its first key.
-bool only_names(const StudyAxis& axis) {
+/// Whether 0 is but one of its values, so that a power of it means nothing. That is asked of its
+/// first key, whose numbers they are.
+bool is_offset(const StudyAxis& axis) {
   const std::string key = axis.keys.substr(0, axis.keys.find(','));
-  return key.ends_with(".surface.seed") || key.ends_with(".surface.row") ||
-         key.ends_with(".surface.column");
+  const auto ends_key = [&](const char* name) { return key.ends_with(name); };
+  return std::ranges::any_of(std::array{".gap", ".temperature", ".skewness", ".start", ".at", ".y"},
+                             ends_key);
 }
 
 bool can_be_fitted(const StudyAxis& axis) {
-  return axis.size() > 1 && axis.texts.empty() && !only_names(axis) &&
+  return axis.size() > 1 && axis.texts.empty() && !chooses_faces(axis) && !is_offset(axis) &&
          std::all_of(axis.numbers.begin(), axis.numbers.end(),
                      [](double x) { return x > 0 && std::isfinite(x); });
-}
-
-/// Numbers of the seeds that so many runs have, from 0 on.
-std::vector<std::size_t> seeds_of(const StudyAnswers& answers,
-                                  const std::vector<std::size_t>& runs) {
-  std::map<std::size_t, std::size_t> numbers;
-  std::vector<std::size_t> seeds;
-  for (const std::size_t run : runs)
-    seeds.push_back(
-        numbers.try_emplace(run % answers.axes.back().size(), numbers.size()).first->second);
-  return seeds;
 }
 
 /// The amplitude of each run, NaN where there is none.
@@ -52,21 +44,6 @@ std::vector<double> amplitudes(const StudyAnswers& answers, const LawQuantity& o
   for (const double level : answers.*of.levels)
     found.push_back(of.reference * std::pow(10.0, level / 20));
   return found;
-}
-
-/// Whether any two runs that differ in their seeds alone have other answers: where no surface has a
-/// seed they are one run.
-bool seeds_differ(const StudyAnswers& answers, const std::vector<double>& amplitude) {
-  const std::size_t seeds = answers.axes.back().size();
-  double first = quiet_nan;
-  for (std::size_t i = 0; i < amplitude.size(); ++i) {
-    const double value = amplitude[i];
-    if (i % seeds == 0) first = quiet_nan;
-    if (!(value > 0 && std::isfinite(value))) continue;
-    if (std::isnan(first)) first = value;
-    if (std::abs(value - first) > 1e-9 * first) return true;
-  }
-  return false;
 }
 
 /// Of deviations that are chance of their own, of this variance.
@@ -128,23 +105,6 @@ LawEquations law_equations(const StudyAnswers& answers, const std::vector<double
   return e;
 }
 
-/// Whether any two runs that differ along this axis alone have other answers. Those of a key
-/// without effect are one run.
-bool changes_along(const StudyAnswers& answers, const std::vector<double>& amplitude,
-                   std::size_t axis) {
-  std::size_t block = 1;  // runs that a value of the axis has in a row
-  for (std::size_t a = axis + 1; a < answers.axes.size(); ++a) block *= answers.axes[a].size();
-  const std::size_t whole = block * answers.axes[axis].size();
-  bool compared = false;
-  for (std::size_t run = 0; run + block < amplitude.size(); ++run) {
-    const double here = amplitude[run], next = amplitude[run + block];
-    if (run % whole + block >= whole || !(here > 0) || !(next > 0)) continue;
-    compared = true;
-    if (here != next) return true;
-  }
-  return !compared;
-}
-
 /// The axes that the law has an exponent for; the names of the others go to `law.pooled`.
 std::vector<std::size_t> fitted_axes(const StudyAnswers& answers,
                                      const std::vector<double>& amplitude, StudyLaw& law) {
@@ -160,18 +120,20 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers,
   if (fitted.empty())
     throw RequestError(
         "no law: it takes a key that the study varies over two positive numbers or more, that "
-        "changes the answers, and that is no seed, row or column of a face");
+        "changes the answers, and that neither chooses a face nor is an offset, like scene.start");
   return fitted;
 }
 
-/// The intervals of the exponents.
-void set_intervals(StudyLaw& law, const StudyAnswers& answers, const std::vector<double>& amplitude,
-                   const std::vector<std::size_t>& runs, const LawEquations& equations,
-                   const Eigen::VectorXd& deviations, double variance) {
-  std::vector<std::size_t> clusters = seeds_of(answers, runs);
-  law.seeds = 1 + *std::max_element(clusters.begin(), clusters.end());
-  if (!seeds_differ(answers, amplitude)) law.seeds = 1;
-  if (law.seeds == 1) std::iota(clusters.begin(), clusters.end(), 0);
+/// The intervals of the exponents. `draws`: of all runs, of which the law is fitted to `runs`.
+void set_intervals(StudyLaw& law, const Draws& draws, const std::vector<std::size_t>& runs,
+                   const LawEquations& equations, const Eigen::VectorXd& deviations,
+                   double variance) {
+  std::map<std::size_t, std::size_t> numbers;  // of the draws that these runs have
+  std::vector<std::size_t> clusters;
+  for (const std::size_t run : runs)
+    clusters.push_back(numbers.try_emplace(draws.of_run[run], numbers.size()).first->second);
+  law.seeds = numbers.size();
+  if (draws.crossed) return;
   const std::vector<CoefficientError> errors =
       law.seeds == 1 ? independent_errors(equations.x, variance)
                      : clustered_errors(equations.x, deviations, clusters);
@@ -235,8 +197,11 @@ StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
   const auto free = static_cast<double>(rows - terms);
   if (!(free > 0)) return law;
   law.deviation = 20 * std::sqrt(residual / free);
-  set_intervals(law, answers, amplitude, runs, equations, deviations, residual / free);
-  if (law.seeds > 1) law.line = test_straight_line(answers, amplitude, fitted);
+  const Draws draws = draws_of(answers, amplitude);
+  law.drawn_by = draws.axes;
+  law.crossed = draws.crossed;
+  set_intervals(law, draws, runs, equations, deviations, residual / free);
+  if (law.seeds > 1) law.line = test_straight_line(answers, amplitude, fitted, draws);
   return law;
 }
 

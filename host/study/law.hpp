@@ -58,20 +58,21 @@ std::vector<LawQuantity> sounds_of(const StudyAnswers& answers);
 
 /// v_rms = factor x_1^e_1 x_2^e_2 ..., so that
 ///   Lv = 20 e_1 log10 x_1 + 20 e_2 log10 x_2 + ... + constant,
-/// by least squares of log10 v_rms over all runs; other amplitudes likewise. Runs of one seed share
-/// their surfaces and deviate alike: the intervals are by clusters of seeds (clustered_errors).
-/// With one seed, or where seeds change nothing, each run's deviation is taken for chance of its
-/// own.
+/// by least squares of log10 v_rms over all runs; other amplitudes likewise. Runs of one draw share
+/// their surfaces and deviate alike: the intervals are by clusters of draws (draws_of,
+/// clustered_errors). With one draw each run's deviation is taken for chance of its own.
 struct StudyLaw {
-  std::vector<Exponent> exponents;  // of the dimensions that are positive numbers and vary
-  std::vector<std::string> pooled;  // dimensions that are not: all of their values in one
-  double factor = 0;                // in the quantity's SI units
-  double constant = 0;              // dB, of its level
-  double deviation = 0;             // dB, of the runs from the law
-  double explained = 0;             // R^2: the share of the variance of the logarithm
-  std::size_t runs = 0;             // that it is fitted to
-  std::size_t left_out = 0;         // missing, failed, or of amplitude 0
-  std::size_t seeds = 1;            // clusters that the intervals are of; 1: of runs
+  std::vector<Exponent> exponents;    // of the dimensions that are positive scales and vary
+  std::vector<std::string> pooled;    // dimensions that are not: all of their values in one
+  double factor = 0;                  // in the quantity's SI units
+  double constant = 0;                // dB, of its level
+  double deviation = 0;               // dB, of the runs from the law
+  double explained = 0;               // R^2: the share of the variance of the logarithm
+  std::size_t runs = 0;               // that it is fitted to
+  std::size_t left_out = 0;           // missing, failed, or of amplitude 0
+  std::size_t seeds = 1;              // draws that the intervals are of; 1: of runs
+  std::vector<std::string> drawn_by;  // dimensions whose values are the draws: mostly "seed"
+  bool crossed = false;               // Draws::crossed: there are no intervals
   StraightLine line;
   LawQuantity of = vibration;
 };

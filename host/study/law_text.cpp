@@ -11,6 +11,7 @@
 #include "host/result/level.hpp"
 #include "host/scene_file/key_facts.hpp"
 #include "host/study/law.hpp"
+#include "host/study/study_warnings.hpp"
 
 namespace ra2d {
 namespace {
@@ -30,6 +31,21 @@ std::size_t count_of(const StudyAnswers& answers, RunStatus status) {
       std::count(answers.status.begin(), answers.status.end(), static_cast<double>(status)));
 }
 
+/// Says which runs the intervals take for independent.
+std::string intervals_text(const StudyLaw& law) {
+  if (law.crossed)
+    return fmt::format(
+        "no intervals: {} choose faces of different bodies, so that each run shares a face with "
+        "others. Take several `seeds` instead",
+        fmt::join(law.drawn_by, " and "));
+  if (law.seeds == 1) return "intervals by the runs, each taken for chance of its own";
+  if (law.drawn_by == std::vector<std::string>{"seed"})
+    return fmt::format("intervals by the {} seeds: runs of one seed share their surfaces",
+                       law.seeds);
+  return fmt::format("intervals by the {} values of {}: runs of one value share a face", law.seeds,
+                     fmt::join(law.drawn_by, " and "));
+}
+
 std::string law_text(const StudyLaw& law) {
   std::string formula = fmt::format("{} =", law.of.symbol);
   for (const Exponent& e : law.exponents)
@@ -40,7 +56,8 @@ std::string law_text(const StudyLaw& law) {
   std::string text = fmt::format("  {:<17}{}\n", "law", formula);
   for (const Exponent& e : law.exponents)
     text += std::isnan(e.low)
-                ? fmt::format("    {:<15}{:.3f} (too few runs for an interval)\n", e.name, e.value)
+                ? fmt::format("    {:<15}{:.3f} ({})\n", e.name, e.value,
+                              law.crossed ? "no interval" : "too few runs for an interval")
                 : fmt::format("    {:<15}{:.3f}, 95 % from {:.3f} to {:.3f}\n", e.name, e.value,
                               e.low, e.high);
   text += fmt::format("    {} runs, R^2 = {:.4f}", law.runs, law.explained);
@@ -49,11 +66,7 @@ std::string law_text(const StudyLaw& law) {
   if (law.left_out > 0)
     text += fmt::format("; {} without {} left out", law.left_out, needed_for(law.of));
   text += '\n';
-  text += law.seeds > 1 ? fmt::format(
-                              "    intervals by the {} seeds: runs of one seed share their "
-                              "surfaces\n",
-                              law.seeds)
-                        : "    intervals by the runs, each taken for chance of its own\n";
+  text += fmt::format("    {}\n", intervals_text(law));
   text += fmt::format("    {}\n", describe(law.line));
   for (const LocalExponent& change : law.line.changes)
     text += fmt::format("      {}\n", describe(change));
@@ -109,6 +122,8 @@ nlohmann::ordered_json json_law(const StudyLaw& law) {
           {"r_squared", json_number(law.explained)},
           {"runs", law.runs},
           {"seeds", law.seeds},
+          {"drawn_by", law.drawn_by},
+          {"intervals", intervals_text(law)},
           {"straight_line", json_line(law.line)},
           {"left_out", law.left_out},
           {"pooled", law.pooled}};
@@ -201,6 +216,7 @@ std::string describe_study(const StudyAnswers& answers, const std::string& name,
                   answers.status.size(), done, answers.status.size() - done - missing, missing);
   if (!answers.v_rms.empty()) text += means_text(answers, most_rows);
   text += sound_text(answers, most_rows);
+  text += warnings_text(answers);
   std::string why;
   const auto law = law_if_any(answers, vibration, why);
   text += law ? law_text(*law) : fmt::format("  {}\n", why);
@@ -249,6 +265,10 @@ std::string study_json(const StudyAnswers& answers, const std::string& title) {
     points.push_back(std::move(point));
   }
   json["points"] = std::move(points);
+  json["warnings"] = nlohmann::ordered_json::array();
+  for (const SharedWarning& warning : shared_warnings(answers))
+    json["warnings"].push_back(
+        {{"text", warning.text}, {"runs", warning.runs}, {"first", warning.first}});
   std::string why;
   if (const auto law = law_if_any(answers, vibration, why)) {
     json["law"] = json_law(*law);

@@ -58,8 +58,8 @@ struct FinishedRun {
   Key128 scene, run;  // scene_key; run_key, 0 where the run was refused before that is known
   RunStatus status = RunStatus::done;
   RunFigures figures = no_figures;
-  std::string point;                    // its name in the study that ran it
-  std::string message;                  // why it failed, or has no sound
+  std::string point;    // its name in the study that ran it
+  std::string message;  // why it failed; of one that is done its warnings, a line each
   std::optional<SoundFigures> sound{};  // none where the study did not ask for it
 };
 

@@ -18,20 +18,20 @@ namespace {
 
 using Place = std::vector<std::size_t>;
 
-/// The logarithm of the amplitude, point by point and seed by seed, where every seed has every
-/// point.
+/// The logarithm of the amplitude, point by point and draw by draw, where every draw has every
+/// point. A draw is mostly a seed.
 struct Grid {
   std::vector<Place> points;  // values of the fitted dimensions
   Eigen::MatrixXd y;          // (point, seed)
 };
 
 Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& amplitude,
-                   const std::vector<std::size_t>& fitted) {
+                   const std::vector<std::size_t>& fitted, const Draws& draws) {
   struct Sum {
     double sum = 0;
     std::size_t count = 0;
   };
-  const std::size_t seeds = answers.axes.back().size();
+  const std::size_t seeds = draws.count;
   std::map<Place, std::vector<Sum>> points;
   std::size_t combinations = amplitude.size() / seeds;  // combinations that are averaged
   for (const std::size_t axis : fitted) combinations /= answers.axes[axis].size();
@@ -42,8 +42,9 @@ Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& ampli
     for (const std::size_t axis : fitted) point.push_back(place[axis]);
     std::vector<Sum>& sums = points.try_emplace(std::move(point), seeds).first->second;
     if (!(value > 0 && std::isfinite(value))) continue;
-    sums[run % seeds].sum += std::log10(value) / static_cast<double>(combinations);
-    ++sums[run % seeds].count;
+    Sum& sum = sums[draws.of_run[run]];
+    sum.sum += std::log10(value) / static_cast<double>(combinations);
+    ++sum.count;
   }
   const auto is_there = [&](const Sum& sum) { return sum.count == combinations; };
   std::erase_if(points, [&](const auto& point) {
@@ -148,9 +149,9 @@ std::vector<LocalExponent> changes_of(const StudyAnswers& answers,
 bool StraightLine::bends() const { return why_not_tested.empty() && p < 1 - confidence_of_means; }
 
 StraightLine test_straight_line(const StudyAnswers& answers, const std::vector<double>& amplitude,
-                                const std::vector<std::size_t>& fitted) {
+                                const std::vector<std::size_t>& fitted, const Draws& draws) {
   StraightLine line;
-  const Grid grid = complete_grid(answers, amplitude, fitted);
+  const Grid grid = complete_grid(answers, amplitude, fitted, draws);
   const auto seeds = grid.y.cols();
   if (seeds < 2) {
     line.why_not_tested = fmt::format("it takes two seeds that have all points, there {}",

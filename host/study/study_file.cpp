@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <system_error>
 
 #include "host/base/errors.hpp"
 #include "host/base/text.hpp"
@@ -358,6 +359,12 @@ Study parse_study(const std::string& text, const std::filesystem::path& file,
 
 Study read_study(const std::filesystem::path& file, const std::vector<std::string>& given) {
   Study study = parse_study(read_text(file, "the study", largest_text), file, given);
+  std::error_code none;
+  if (!std::filesystem::exists(study.base, none))
+    throw FileError(
+        fmt::format("'{}': base: there is no file '{}': expected a scene, relative to the "
+                    "study's file. 'ra2d scenes NAME > base.toml' writes one that comes with ra2d",
+                    file.string(), study.base.string()));
   study.base_text = read_text(study.base, "the study's base", largest_text);
   return study;
 }
@@ -378,8 +385,8 @@ Study parse_snapshot(const std::string& text, const std::filesystem::path& file)
     const auto json = nlohmann::json::parse(text);
     if (json.at("format") != snapshot_format)  // which may be a number that no int holds
       throw FileError(
-          fmt::format("'{}': written by another version of ra2d: run the study again "
-                      "with this one",
+          fmt::format("'{}' was written by another version of ra2d: move it away and run the "
+                      "study's line again, which writes it anew",
                       file.string()));
     Study study =
         parse_study(json.at("study").get<std::string>(), json.at("file").get<std::string>(),

@@ -259,7 +259,8 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   write_figures(out, study, runs);
   out.add(out.integers("status", H5T_STD_I32LE, H5T_NATIVE_INT32, status, out.shape), "1",
           "0 done, 1 not run, 2 refused before its first step, 3 failed");
-  out.add(out.words("message", messages, out.shape), "1", "why there are no numbers");
+  out.add(out.words("message", messages, out.shape), "1",
+          "why there are no numbers, or what the run warns of, a line each");
   if (study.keep_files) {
     std::vector<std::string> files(count);
     for (std::size_t i = 0; i < count; ++i)
@@ -397,8 +398,8 @@ StudyAnswers read_table(hid_t file) {
     } else {
       axis.numbers = read_numbers(dataset);
       axis.units = read_text_attribute(dataset, "units");
-      axis.keys = read_text_attribute(dataset, "long_name");
     }
+    axis.keys = read_text_attribute(dataset, "long_name");
     answers.axes.push_back(std::move(axis));
   }
   std::vector<hsize_t> shape;
@@ -410,6 +411,8 @@ StudyAnswers read_table(hid_t file) {
     return read_numbers(dataset);
   };
   answers.status = column("status");
+  const h5::Dataset messages = open_dataset(file, "message");
+  if (extent_of(messages) == shape) answers.messages = read_texts(messages);
   if (check(H5Lexists(file, "v_rms", H5P_DEFAULT)) > 0) answers.v_rms = column("v_rms");
   if (check(H5Lexists(file, "shock_rate", H5P_DEFAULT)) > 0)
     answers.shock_rate = column("shock_rate");

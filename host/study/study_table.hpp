@@ -30,15 +30,16 @@ struct StudyAxis {
 
 /// The contents of a table that an analysis needs.
 struct StudyAnswers {
-  std::vector<StudyAxis> axes;     // in the order of the table, the seeds last
-  std::vector<double> v_rms;       // in C order; NaN where there is none
-  std::vector<double> shock_rate;  // 1/s, in the same order; empty where the table has none
-  std::vector<double> lp, lp_a;    // dB re 20 uPa, likewise
-  std::vector<double> lw, lw_a;    // dB re 1 pW, likewise
-  std::vector<double> status;      // RunStatus
-  std::string study, base;         // their texts
-  std::string given;               // --set, a line each
-  std::string origin;              // what wrote the table: "ra2d 0.1 (commit)"
+  std::vector<StudyAxis> axes;        // in the order of the table, the seeds last
+  std::vector<double> v_rms;          // in C order; NaN where there is none
+  std::vector<double> shock_rate;     // 1/s, in the same order; empty where the table has none
+  std::vector<double> lp, lp_a;       // dB re 20 uPa, likewise
+  std::vector<double> lw, lw_a;       // dB re 1 pW, likewise
+  std::vector<double> status;         // RunStatus
+  std::vector<std::string> messages;  // why a run failed; of one that is done its warnings
+  std::string study, base;            // their texts
+  std::string given;                  // --set, a line each
+  std::string origin;                 // what wrote the table: "ra2d 0.1 (commit)"
 };
 
 /// Whether the file is one: false also for what cannot be opened, or is damaged.

@@ -26,6 +26,7 @@
 #include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
+#include "host/model/doubts.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
 #include "host/run/disk_room.hpp"
@@ -33,6 +34,7 @@
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
+#include "host/run/run_warnings.hpp"
 #include "host/run/simulation.hpp"
 #include "host/run/v_rms.hpp"
 #include "host/system/interruption.hpp"
@@ -339,7 +341,9 @@ class Worker {
                           .contact_share = report.contact_share,
                           .energy_closure = report.energy.closure(),
                           .wall_seconds = 0};
-      if (options_.keep_sound) add_sound(run, finished);
+      std::vector<std::string> warnings = warnings_of_run(run, report);
+      if (options_.keep_sound) add_sound(run, finished, warnings);
+      finished.message = fmt::format("{}", fmt::join(warnings, "\n"));
     }
     finished.figures.wall_seconds = report.wall_seconds;
     record(std::move(finished));
@@ -356,10 +360,25 @@ class Worker {
   }
 
   /// From the run's result, which is written even where it is not kept.
-  void add_sound(const PointRun& run, FinishedRun& finished) const {
+  void add_sound(const PointRun& run, FinishedRun& finished,
+                 std::vector<std::string>& warnings) const {
     const SoundLevels levels = sound_levels(run.model().scene, result_of(run));
     finished.sound = {levels.lp, levels.lp_a, levels.lw, levels.lw_a};
-    finished.message = levels.why_none;
+    warnings.insert(warnings.end(), levels.warnings.begin(), levels.warnings.end());
+    if (!levels.why_none.empty()) warnings.push_back(levels.why_none);
+  }
+
+  /// Without doubts of its keys, which the study has said before.
+  static std::vector<std::string> warnings_of_run(const PointRun& run, const RunReport& report) {
+    const Model& model = run.model();
+    const std::vector<std::string> of_keys = scene_doubts(model.scene);
+    std::vector<std::string> warnings = model.doubts;
+    std::erase_if(warnings, [&](const std::string& doubt) {
+      return std::find(of_keys.begin(), of_keys.end(), doubt) != of_keys.end();
+    });
+    for (std::string& warning : warnings_of(model.scene, report, {}))
+      warnings.push_back(std::move(warning));
+    return warnings;
   }
 
   /// There is no memory for it where runs are marched, even alone.

@@ -69,6 +69,33 @@ TEST_F(ProgramJson, OfARunSaysWhatItsAnalysisSays) {
   EXPECT_NEAR(found["to"], made["to"], 1e-9);
 }
 
+/// Also where the run was there already.
+TEST_F(ProgramJson, OfARunHasItsWarnings) {
+  std::vector<std::string> words{"run", scene_file("dang2012"), "--json", "-o", "r.h5"};
+  for (const char* set :
+       {"scene.duration=0.02", "resonator.max_frequency=2000", "time.scheme=adaptive",
+        "time.tolerance=1e-3", "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]"})
+    words.insert(words.end(), {"--set", set});
+  for (const bool was_there : {false, true}) {
+    const Json made = json(words);
+    EXPECT_EQ(made["was_there"], was_there);
+    const std::vector<std::string> warnings = made["warnings"];
+    ASSERT_GE(warnings.size(), 2u);
+    EXPECT_THAT(warnings.front(), HasSubstr("contact.stiffness = 1e+15 Pa/m: "));
+    EXPECT_EQ(warnings.back(),
+              "microphone 1: " + made["microphones"][0]["warning"].get<std::string>());
+    EXPECT_THAT(warnings.back(), HasSubstr("above the last mode that was kept"));
+    EXPECT_EQ(json({"analyze", "r.h5", "--json"})["microphones"][0]["warning"],
+              made["microphones"][0]["warning"]);
+  }
+  words.insert(words.end(), {"--fresh"});
+  const Ended said = run(words);
+  for (const std::string warning : Json::parse(said.out)["warnings"])
+    EXPECT_THAT(said.err, HasSubstr(warning));
+  EXPECT_EQ(json({"run", scene_file("drop"), "--set", "scene.duration=1e-4", "--json"})["warnings"],
+            Json::array());
+}
+
 TEST_F(ProgramJson, OfARunThatWasCutShortSaysSo) {
   const Json cut = json({"run", scene_file("dang2012"), "--set", "scene.duration=1.8", "--json",
                          "--max-wall", "0.05", "-o", "r.h5"},

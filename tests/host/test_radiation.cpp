@@ -457,6 +457,44 @@ TEST(Resistance, DoesNotDependOnTheHighestFrequency) {
   }
 }
 
+/// Modes of different parity do not couple; of shapes without a parity all do, and have the same
+/// resistances as where it is known.
+TEST(Resistance, OfModesOfOneParityIsThatOfAllModes) {
+  const std::vector<PlateMode> numbers{{1, 1}, {2, 1}, {3, 1}, {1, 2}, {3, 3}, {2, 2}, {4, 1}};
+  const Radiator plate = supported_plate(0.3, 0.2, numbers);
+  const RadiationResistance resistance(plate, air, 30e3);
+  for (const std::vector<std::size_t>& group : resistance.groups())
+    for (const std::size_t k : group) {
+      EXPECT_EQ(numbers[k].along % 2, numbers[group[0]].along % 2);
+      EXPECT_EQ(numbers[k].across % 2, numbers[group[0]].across % 2);
+    }
+  EXPECT_EQ(resistance.groups().size(), 4u);
+
+  Radiator other = plate;  // with one shape more, of no parity along and across
+  other.modes.push_back({[](double x) { return x * x; }, other.across.size()});
+  other.across.emplace_back([](double y) { return 1 + y; });
+  const RadiationResistance all(other, air, 30e3);
+  ASSERT_EQ(all.groups().size(), 1u);
+  for (const double frequency : {100.0, 4e3, 30e3}) {
+    const std::vector<double> a = resistance.lower_half(frequency), b = all.lower_half(frequency);
+    const double largest = *std::max_element(a.begin(), a.end());
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 1e-9 * largest) << frequency;
+    EXPECT_GT(std::abs(b.back()), 0);
+  }
+}
+
+/// Sixteen frequencies are summed side by side: each is as if it were alone.
+TEST(Resistance, OfSeveralFrequenciesIsThatOfEach) {
+  const Radiator plate = supported_plate(0.3, 0.2, {{1, 1}, {2, 3}, {3, 1}, {5, 2}});
+  const RadiationResistance resistance(plate, air, 20e3);
+  std::vector<double> frequencies;
+  for (int i = 0; i < 37; ++i) frequencies.push_back(540.0 * i);
+  const auto found = resistance.of_groups(frequencies);
+  ASSERT_EQ(found.size(), frequencies.size());
+  for (std::size_t i = 0; i < frequencies.size(); ++i)
+    EXPECT_EQ(found[i], resistance.of_groups({&frequencies[i], 1}).front());
+}
+
 /// The bound on the air's inertia, against the static integral of a piston's 1/r.
 TEST(Resistance, InertiaOfTheAirIsBounded) {
   const Radiator face = piston(0.3, 0.2);

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <random>
 #include <set>
 
@@ -28,6 +29,7 @@
 #include "host/study/study_advice.hpp"
 #include "host/study/study_status.hpp"
 #include "host/study/study_table.hpp"
+#include "host/study/study_warnings.hpp"
 #include "host/study/study_worker.hpp"
 #include "host/system/partial_file.hpp"
 #include "tests/child.hpp"
@@ -995,6 +997,64 @@ TEST(StudyLaw, PoolsNumbersThatChooseAFace) {
   }
 }
 
+TEST(StudyLaw, HasNoExponentOfAnOffset) {
+  for (const char* keys : {"scene.start", "scene.gap", "slider.surface.skewness",
+                           "scene.side, scene.start", "slider.surface.offset_x"}) {
+    std::vector<StudyAxis> axes = two_axes;
+    axes.insert(axes.begin(), {"place", {0.1, 0.2}, {}, "1", keys});
+    const StudyLaw law =
+        fit_law(answers_of(axes, [](const std::vector<double>& x) { return x[0] * x[1] * x[2]; }));
+    EXPECT_THAT(law.pooled, ElementsAre("place")) << keys;
+  }
+}
+
+/// Values of an axis that chooses a face are draws as seeds are: equal answers, equal law.
+TEST(StudyLaw, RunsOfOneFaceAreNoIndependentDraws) {
+  std::mt19937_64 dice{3};
+  std::normal_distribution<double> normal;
+  std::map<double, double> shift;
+  for (double face = 0; face < 4; ++face) shift[face] = 0.3 * normal(dice);
+  const auto v_rms = [&](double speed, double load, double face) {
+    return std::pow(speed, 1.1) * std::pow(10, shift[face] * (1 + speed)) * std::pow(load, 0.1) *
+           (1 + 0.001 * std::fmod(speed * load * 1e7 + face, 7));
+  };
+  const StudyAxis speed{"speed", {0.1, 0.2, 0.4}, {}}, load{"load", {1, 2, 3}, {}};
+  const StudyLaw by_seeds =
+      fit_law(answers_of({speed, load, {"seed", {0, 1, 2, 3}, {}}},
+                         [&](const std::vector<double>& x) { return v_rms(x[0], x[1], x[2]); }));
+  for (const char* keys : {"slider.surface.seed", "resonator.surface.path", "scene.start",
+                           "resonator.surface.row, slider.surface.row"}) {
+    const StudyAnswers answers =
+        answers_of({{"face", {0, 1, 2, 3}, {}, "1", keys}, speed, load, {"seed", {0}, {}}},
+                   [&](const std::vector<double>& x) { return v_rms(x[1], x[2], x[0]); });
+    const StudyLaw by_faces = fit_law(answers);
+    EXPECT_EQ(by_faces.seeds, 4u);
+    EXPECT_THAT(by_faces.drawn_by, ElementsAre("face"));
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_NEAR(by_faces.exponents[k].value, by_seeds.exponents[k].value, 1e-12);
+      EXPECT_NEAR(by_faces.exponents[k].low, by_seeds.exponents[k].low, 1e-9);
+    }
+    EXPECT_NEAR(by_faces.line.p, by_seeds.line.p, 1e-9);
+    EXPECT_THAT(describe_study(answers, "x"),
+                HasSubstr("intervals by the 4 values of face: runs of one value share a face"));
+  }
+}
+
+/// Each run shares its slider's face with some runs and its resonator's with others.
+TEST(StudyLaw, HasNoIntervalsWhereFacesOfBothBodiesAreVaried) {
+  const StudyAnswers answers = answers_of(
+      {{"speed", {0.1, 0.2, 0.4}, {}},
+       {"a", {1, 2}, {}, "1", "slider.surface.seed"},
+       {"b", {1, 2}, {}, "1", "resonator.surface.seed"},
+       {"seed", {0}, {}}},
+      [](const std::vector<double>& x) { return x[0] * (1 + 0.1 * x[1] + 0.2 * x[2] * x[1]); });
+  const StudyLaw law = fit_law(answers);
+  EXPECT_NEAR(law.exponents[0].value, 1, 1e-12);
+  EXPECT_TRUE(law.crossed && std::isnan(law.exponents[0].low));
+  EXPECT_THAT(describe_study(answers, "x"),
+              HasSubstr("no intervals: a and b choose faces of different bodies"));
+}
+
 TEST(StudyLaw, LeavesOutAKeyWithoutEffect) {
   for (const int idle : {0, 1, 2}) {
     std::vector<StudyAxis> axes = two_axes;
@@ -1031,6 +1091,25 @@ TEST(StudyLaw, SaysWhyThereIsNone) {
                 }));
               }),
               HasSubstr("do not vary all of the dimensions by themselves"));
+}
+
+/// Warnings that differ in their numbers alone are one, counted once a run; failures are none.
+TEST(StudyWarnings, AreCountedByTheirKind) {
+  StudyAnswers answers = answers_of(
+      {{"speed", {0.1, 0.2}, {}}, {"seed", {0, 5}, {}}},
+      [](const std::vector<double>& x) { return x[0] > 0.15 && x[1] > 0 ? std::nan("") : 1.0; });
+  answers.messages = {"", "12 % are lost at 1e-05 s\n3 % are lost at 2 s",
+                      "8 % are lost at 4 s\nanother one", "12 % are lost at 1 s"};
+  const std::vector<SharedWarning> found = shared_warnings(answers);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].text, "12 % are lost at 1e-05 s");
+  EXPECT_EQ(found[0].runs, 2u);
+  EXPECT_EQ(found[0].first, "speed = 0.1, seed 5");
+  EXPECT_EQ(found[1].runs, 1u);
+  EXPECT_THAT(describe_study(answers, "x"),
+              HasSubstr("warning          2 of 3 runs (the first: speed = 0.1, seed 5): 12 %"));
+  answers.messages.clear();
+  EXPECT_TRUE(shared_warnings(answers).empty());
 }
 
 TEST(StudyLaw, MeansAreOverTheSeeds) {

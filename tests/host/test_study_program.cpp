@@ -342,6 +342,26 @@ TEST_F(StudyProgram, ASnapshotThatIsNoneIsMovedAwayAsItIsSaid) {
   }
 }
 
+TEST_F(StudyProgram, ABaseThatIsNotThereIsNamedWithTheCure) {
+  std::ofstream(folder_ / "study.toml") << "base = \"areal\"\nseeds = 1\n";
+  EXPECT_EQ(run({"study.toml", "-o", "out"}), 4);
+  EXPECT_THAT(err_, AllOf(HasSubstr("areal'"), HasSubstr("expected a scene"),
+                          HasSubstr("'ra2d scenes NAME > base.toml'")));
+}
+
+TEST_F(StudyProgram, ASnapshotOfAnotherVersionIsMovedAwayAsItIsSaid) {
+  write_study(1);
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  std::ofstream(folder_ / "out/study.json") << "{\"study\": {}, \"format\": 7}\n";
+  const std::vector<std::string> status{test::program(), "study", "status", "out"};
+  EXPECT_THAT(test::run_program(folder_, status).err,
+              AllOf(HasSubstr("another version of ra2d"), HasSubstr("move it away")));
+  fs::rename(folder_ / "out/study.json", folder_ / "old.json");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("finished already"));
+  EXPECT_EQ(test::run_program(folder_, status).status, 0);
+}
+
 TEST_F(StudyProgram, ATextOfTwoLinesStaysInItsRow) {
   std::ofstream(folder_ / "named.toml") << R"(
 base = "base.toml"
@@ -511,6 +531,22 @@ TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
   EXPECT_TRUE(std::isnan(power.lp[0]) && std::isfinite(power.lw[0]));
   EXPECT_THAT(test::run_program(folder_, {test::program(), "analyze", "power"}).out,
               AllOf(HasSubstr("Lp: no law yet"), HasSubstr("Lw = ")));
+}
+
+TEST_F(StudyProgram, SaysHowManyRunsWarnOfWhat) {
+  write_study(2,
+              "keep = [\"level\", \"sound\"]\n[set]\n\"scene.duration\" = 0.03\n"
+              "\"output.microphones\" = [{ x = 0.1, y = 0.05, z = 0.2 }]\n"
+              "\"resonator.modes\" = 1\n");
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("8 of 8 runs (the first: speed = 0.1, load = 0.25, seed 0): sound "
+                              "pressure: "));
+  const auto json = nlohmann::json::parse(
+      test::run_program(folder_, {test::program(), "analyze", "out", "--json"}).out);
+  ASSERT_EQ(json["warnings"].size(), 2) << json["warnings"];
+  EXPECT_EQ(json["warnings"][0]["runs"], 8);
+  EXPECT_THAT(std::string(json["warnings"][1]["text"]), HasSubstr("above the last mode"));
+  EXPECT_EQ(json["warnings"][1]["first"], "speed = 0.1, load = 0.25, seed 0");
 }
 
 TEST_F(StudyProgram, CheckFindsEveryDamageOfAFolder) {

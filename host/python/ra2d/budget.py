@@ -316,7 +316,7 @@ def _runs(table: Study, sources: list[str]) -> pd.DataFrame:
         one = table.sel(name=name).squeeze()
         rows.append({"source": source, "realisation": int(number),
                      **{quantity: float(one[variable]) for quantity, variable, *_ in QUANTITIES},
-                     "message": str(one["message"].item()) if "message" in one else ""})
+                     "message": str(one["message"].item()) if one["status"].item() else ""})
     found = pd.DataFrame(rows)
     order = {source: i for i, source in enumerate(sources)}
     return found.sort_values(["source", "realisation"], key=lambda of: of.map(order)

@@ -508,9 +508,15 @@ def _mean(values: Values) -> float:
 
 
 def _row_of_sets(x: Values, y: Values, unit: str, paired: bool) -> dict[str, Any]:
-    """`x`, `y`: levels in dB, or logarithms of what has another unit. What is not finite, such as
-    the level of a run at rest, is none."""
+    """`x`, `y`: values of the runs. What is not finite, such as the level of a run at rest, is
+    none."""
     x, y = (np.where(np.isfinite(side), side, math.nan) for side in (x, y))
+    if not unit.startswith("dB"):
+        for name, side in (("A", x), ("B", y)):
+            if (side == 0).any():  # as the rate of shocks of a run without contact
+                return _row(_mean(x), _mean(y), unit, math.nan, math.nan,
+                            f"{name}: the test takes logarithms, and a run of it has 0")
+        x, y = _logs(x), _logs(y)
     chance, why = _test_of_sets(x, y, paired)
     if paired:
         both = np.isfinite(x) & np.isfinite(y)
@@ -521,8 +527,7 @@ def _row_of_sets(x: Values, y: Values, unit: str, paired: bool) -> dict[str, Any
     return _row(math.exp(low), math.exp(high), unit, 100 * (high - low), chance, why)
 
 
-def _logs(values: Sequence[float | None]) -> Values:
-    found = np.array([_finite(value) for value in values])
+def _logs(found: Values) -> Values:
     with np.errstate(divide="ignore", invalid="ignore"):
         logs: Values = np.where(found > 0, np.log(found), math.nan)
     return logs
@@ -538,9 +543,9 @@ def _of_sets(a: Sequence[Result], b: Sequence[Result]) -> tuple[pd.DataFrame, pd
 
     def compare(unit: str, of: Callable[[Mapping[str, Any]], Any],
                 offset: float = 180.0) -> dict[str, Any]:
-        x, y = (_logs([of(found) for found in side]) for side in sides)
+        x, y = (np.array([_finite(of(found)) for found in side]) for side in sides)
         if unit.startswith("dB"):
-            x, y = to_db * x + offset, to_db * y + offset
+            x, y = to_db * _logs(x) + offset, to_db * _logs(y) + offset
         return _row_of_sets(x, y, unit, paired)
 
     answers = {figure.name: compare(figure.unit, figure.of) for figure in _FIGURES}
@@ -581,7 +586,6 @@ def _of_studies(a: Study, b: Study) -> tuple[pd.DataFrame, pd.DataFrame, str, li
         for words, variable, unit in _IN_STUDIES:
             if variable in a and variable in b:
                 x, y = (side[variable].values.astype(float).ravel() for side in (one, other))
-                x, y = (x, y) if unit.startswith("dB") else (_logs(x.tolist()), _logs(y.tolist()))
                 rows[f"{words}, {where}" if where else words] = _row_of_sets(x, y, unit, True)
     _mark_family(rows)
     test = (f"test: Student's t of {len(shared['seed'])} pairs of seeds at each of "

@@ -385,11 +385,7 @@ def _law_note(law: Law) -> Markup:
         text += html(" {} runs without a level are left out.", about["left_out"])
     text += Markup("").join(html(" All values of {} are taken together.", name)
                             for name in about["pooled"])
-    return text + (html(
-        " The intervals are by the {} seeds: runs of one seed share their surfaces.",
-        about["seeds"])
-                   if about["seeds"] > 1
-                   else html(" The intervals take each run's deviation for chance of its own."))
+    return text + html(" {}", _sentence(about["intervals"]))
 
 
 def _change(of: dict[str, Any]) -> str:
@@ -479,6 +475,13 @@ def _failures(study: Study) -> list[str]:
             *(f"{len(texts)}: {shortened(texts[0], LONGEST_DOUBT)}" for texts in kinds)]
 
 
+def _warnings(study: Study) -> list[str]:
+    """Warnings of finished runs, the most frequent first."""
+    return [f"{one['runs']} of {study.attrs['done']} finished runs (the first: {one['first']}): "
+            f"{shortened(one['text'], LONGEST_DOUBT)}"
+            for one in study._whole()["warnings"][:MOST_MESSAGES]]
+
+
 def study_text(study: Study, command: str = "") -> str:
     """The page of a study. `command`: the line that made it, for its end."""
     a, law, why = study.attrs, None, ""
@@ -493,7 +496,8 @@ def study_text(study: Study, command: str = "") -> str:
     heads, rows, count = _rows(study)
     return _page(f"Study: {study.folder.name}", command, sheet, results=[], comparison=[],
                  means=[], doubts=[], study={
-        "lead": lead, "failures": _failures(study), "law": _law(law) if law else None,
+        "lead": lead, "failures": _failures(study) + _warnings(study),
+        "law": _law(law) if law else None,
         "why_no_law": why, "sound_laws": [_law(one) for one in study_plot.sound_laws(study)],
         "pictures": page_pictures.of_study(study, law, sheet), "heads": heads, "rows": rows,
         "count": count,

@@ -169,8 +169,8 @@ class Study(xr.Dataset):  # type: ignore[no-untyped-call]
         if not found or "why_none" in found:
             why = str(found["why_none"] if found else answer["why_no_law"])
             raise RequestError(f"this study has no law: {why.removeprefix('no law: ')}")
-        note = "by the seeds" if found[
-            "seeds"] > 1 else "each run counts by itself: there is one seed"
+        note = "by the seeds" if found["drawn_by"] == ["seed"] and found[
+            "seeds"] > 1 else str(found["intervals"])
         exponents = {name: Estimate.of(e["value"], e, "", note)
                      for name, e in found["exponents"].items()}
         return Law(exponents, found["constant_db"], _number(found["deviation_db"]),

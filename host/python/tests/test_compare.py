@@ -176,7 +176,9 @@ gap = { key = "scene.gap", values = [1e-4, 2e-4] }
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         found = ra2d.compare(folder / "rest", folder / "rest")
-    assert (found.answers.why == "neither has one").all()
+    rates = found.answers.index.str.startswith("rate of shocks")
+    assert (found.answers.a[rates] == 0).all() and (found.answers.difference[rates] == 0).all()
+    assert (found.answers.why[~rates] == "neither has one").all()
 
 
 def test_studies_are_compared_where_both_have_runs(study, folder, base):
@@ -241,6 +243,25 @@ def test_runs_without_noise_or_shocks(base, folder, result):
     assert found.answers.a["rate of shocks"] == 0 and found.answers.why[
         "duration of a shock"] == "neither has one"
     assert "third octaves" in found.text() or found.bands.empty
+
+
+def test_no_shocks_are_a_rate_of_zero(base, folder):
+    """In sets of runs, too, a rate of 0 is a number, and the mean is that of all runs."""
+    apart = [ra2d.run(base, {"scene.gap": 1e-3, "slider.load": 0.0, "scene.initial": "rest",
+                             "slider.surface.seed": seed}, duration=0.05,
+                      output=folder / f"apart-{seed}.h5", show=False) for seed in (1, 2)]
+    shocks = [ra2d.run(base, {"slider.surface.seed": seed}, duration=0.05,
+                       output=folder / f"shocks-{seed}.h5", show=False) for seed in (1, 2)]
+    rate = "rate of shocks"
+    found = ra2d.compare(apart, shocks)
+    assert found.answers.a[rate] == 0 and found.answers.b[rate] > 0
+    assert found.answers.why[rate] == "A: the test takes logarithms, and a run of it has 0"
+    assert found.answers.differs[rate] is None and "none" not in next(
+        line for line in found.text().splitlines() if rate in line)
+    same = ra2d.compare(apart, apart).answers
+    assert same.a[rate] == same.b[rate] == same.difference[rate] == 0
+    mixed = ra2d.compare([apart[0], shocks[0]], shocks).answers
+    assert mixed.a[rate] == pytest.approx(shocks[0].analysis()["shocks"]["rate"] / 2)
 
 
 def test_each_reason_is_of_its_quantity(base, folder, result):

@@ -415,7 +415,7 @@ def test_the_page_of_a_study(loads, folder):
         interval = f"{row['level_low']:.2f} to {row['level_high']:.2f}"
         assert f"<td>3</td><td>{row['level']:.2f}</td><td>{interval}</td>" in text
     assert ("36 runs: 36 done, 0 failed, 0 missing" in text
-            and "The intervals are by the 3 seeds" in text)
+            and "Intervals by the 3 seeds: runs of one seed share" in text)
     assert "<th>load, N</th><th>speed, m/s</th><th>runs</th>" in text
     assert (text.count("<svg ") == 2 and "Level against load" in text
             and "Level against speed" in text)
@@ -458,6 +458,17 @@ def test_studies_of_every_kind(base, folder):
     text = page.study_text(seeds)
     assert ("<svg " not in text and "no law" in text.lower()
             and "<th>runs</th><th>Lv, dB</th>" in text)
+
+
+def test_a_page_of_a_study_counts_the_runs_that_warn(base, folder):
+    warning = ra2d.study(base.change({"resonator.max_frequency": 2e3, "slider.surface.seed": 5,
+                                      "output.microphones": [{"x": 0.1, "y": 0.1, "z": 0.5}]},
+                                     duration=0.02),
+                         {"speed": [0.1, 0.2]}, folder=folder / "warning", keep_sound=True,
+                         show=False)
+    text = page.study_text(warning)
+    assert "2 of 2 finished runs (the first: speed = 0.1, seed 0): sound pressure: " in text
+    assert "Intervals by the runs, each taken for chance of its own." in text or "no law" in text
 
 
 def test_values_of_keys_stay_text(base, folder):
