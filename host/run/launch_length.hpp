@@ -10,11 +10,12 @@
 
 namespace ra2d {
 
-/// Ticks to a launch, from how long the last one took.
+/// Ticks to a launch, from how long the last one took. The first is short: nobody knows yet what a
+/// tick costs, and --max-wall and checkpoints wait for the end of a launch.
 class LaunchLength {
  public:
   explicit LaunchLength(const Model& model)
-      : steps_{(is_adaptive(model.scene) ? std::llround(1e-4 / model.tick) : 10000) /
+      : steps_{(is_adaptive(model.scene) ? std::llround(1e-6 / model.tick) : 10000) /
                (1 + std::ssize(model.scene.resonator.moving_forces))},  // each as costly as a step
         most_{std::max<std::int64_t>(model.steps, 1)} {
     steps_ = std::clamp<std::int64_t>(steps_, 1, most_);

@@ -148,8 +148,9 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     };
     // the parabola at the highest place comes to the level no sooner than the largest of all
     const double root = Kokkos::sqrt(Kokkos::fma(rate_there, rate_there, 2.0 * bound * miss));
-    const double sooner = rate_there > 0.0 ? 2.0 * miss / (root + rate_there)
-                                           : (root - rate_there) / (bound + 1e-300);
+    const double sooner = rate_there > 0.0    ? 2.0 * miss / (root + rate_there)
+                          : root > rate_there ? (root - rate_there) / (bound + 1e-300)
+                                              : 1e300;  // nothing moves
     const double high = Kokkos::min(sooner, interval.to - x), of_high = excess(high);
     if (of_high < 0.0 && !(sooner < interval.to - x)) return beyond;
     const double next = x + (of_high > 0.0 ? high * (miss / (of_high + miss)) : high);

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "host/base/errors.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/surface/spline.hpp"
+#include "tests/adaptive.hpp"
 #include "tests/compare.hpp"
 #include "tests/effort.hpp"
 #include "tests/numbers.hpp"
@@ -149,6 +151,29 @@ TEST(SmoothContact, AStaticStartStaysAtRest) {
   EXPECT_NEAR(run.start.contact_force, load, 1e-9 * load);
   ASSERT_FALSE(run.samples.force.empty());
   for (const double force : run.samples.force) EXPECT_NEAR(force, load, 1e-8 * load);
+}
+
+/// Faces that only touch carry nothing: a summit that slides along a flat face, and a block without
+/// a load that slides over summits. Contacts as deep as roundings begin and end there, and must not
+/// hold the march.
+TEST(SmoothContact, FacesThatOnlyTouchDoNotHoldTheMarch) {
+  for (const bool free : {false, true})
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      Scene s = adaptive(plate_scene(3, 0.006, 0.005), 1e-8);
+      s.faces = Faces::smooth;
+      s.speed = 1;
+      s.duration = 1e-3;
+      s.output.rate = 1e5;
+      s.contact.stiffness = 1e14;
+      if (free) s.slider.support = Support::free;
+      (free ? s.resonator : s.slider).surface = gaussian(1e-6, 6e-4, seed);
+      const Recording run = simulate(s);
+      SCOPED_TRACE(std::string(free ? "free" : "rigid") + ", " + std::to_string(seed) + ", " +
+                   std::to_string(run.end.steps_made) + " steps");
+      ASSERT_EQ(run.end.status, Status::done);
+      EXPECT_LT(run.end.steps_made, 20'000);
+      for (const double force : run.samples.force) EXPECT_LT(force, 1e-15);
+    }
 }
 
 /// The energy closes better and better with shorter steps, through a contact that opens and closes.
