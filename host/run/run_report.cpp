@@ -120,6 +120,7 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
   report.counted = ticks * run.model().tick;
   report.v_rms = v_rms(mean_squares, now, begin);
   report.lv = level(report.v_rms);
+  report.displacement_rms = displacement_rms(run.model(), mean_squares, now, begin);
   // per nothing there is none, also where a shock began at once
   report.shock_rate =
       report.counted > 0 ? static_cast<double>(a.durations.total()) / report.counted : quiet_nan;

@@ -43,6 +43,19 @@ std::string tolerance_text(const Scene& scene, double contact_share) {
       contact_share, tolerance, std::min(100.0, 100 * tolerance / part), better);
 }
 
+/// Empty where the resonator moves by as little as its equations take for granted. A plate that is
+/// bent by its thickness is stretched as much; a beam may draw in its ends.
+std::string displacement_text(const BodySpec& resonator, double displacement) {
+  const bool is_plate = resonator.kind == BodyKind::plate;
+  const double large = is_plate ? 0.5 * resonator.thickness : 0.05 * resonator.length;
+  if (!(displacement > large)) return {};
+  return fmt::format(
+      "the resonator vibrates by {:.2g} m (root mean square), and its {} is {:g} m: the model is "
+      "for small displacements, so check units and values of the scene",
+      displacement, is_plate ? "thickness" : "length",
+      is_plate ? resonator.thickness : resonator.length);
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Scene& scene, const RunReport& report,
@@ -50,6 +63,8 @@ std::vector<std::string> warnings_of(const Scene& scene, const RunReport& report
   std::vector<std::string> warnings;
   if (report.energy.closure() > much_energy) warnings.push_back(energy_text(scene, report.energy));
   if (std::string text = tolerance_text(scene, report.contact_share_of_energy); !text.empty())
+    warnings.push_back(std::move(text));
+  if (std::string text = displacement_text(scene.resonator, report.displacement_rms); !text.empty())
     warnings.push_back(std::move(text));
   for (std::size_t i = 0; i < sound.microphones.size(); ++i)
     if (const std::string text = warning_of(sound.microphones[i]); !text.empty())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // --json of run, plan and study status.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,6 +95,51 @@ TEST_F(ProgramJson, OfARunHasItsWarnings) {
     EXPECT_THAT(said.err, HasSubstr(warning));
   EXPECT_EQ(json({"run", scene_file("drop"), "--set", "scene.duration=1e-4", "--json"})["warnings"],
             Json::array());
+}
+
+/// The only mode moves by its velocity over its angular frequency. The gap makes the corner of the
+/// plate give way to the block.
+TEST_F(ProgramJson, APlateThatMovesByItsThicknessIsDoubted) {
+  const double length = 0.06, width = 0.04, thickness = 1e-3, young = 3e9, density = 7800;
+  std::ofstream(folder_.path() / "corner.toml") << R"(
+[scene]
+kind = "areal"
+duration = 2e-4
+speed = 0.5
+start = 0.05
+side = 0.035
+spacing = 5e-5
+gap = 5e-6
+[slider]
+support = "rigid"
+length = 0.005
+width = 0.0045
+[contact]
+law = "multiplier"
+[time]
+scheme = "exact"
+step = 1e-6
+[output]
+rate = 1e5
+[resonator]
+support = "pinned"
+length = 0.06
+width = 0.04
+thickness = 1e-3
+young = 3e9
+density = 7800
+modes = 1
+damping = 0.02
+surface = { kind = "gaussian", rq = 3e-6, rsm = 4e-4, seed = 3 }
+)";
+  const Json made = json({"run", "corner.toml", "--json"});
+  const double stiffness = young * std::pow(thickness, 3) / (12 * (1 - 0.3 * 0.3)),
+               omega = M_PI * M_PI * (1 / (length * length) + 1 / (width * width)) *
+                       std::sqrt(stiffness / (density * thickness));
+  EXPECT_THAT(made["warnings"].dump(),
+              HasSubstr(fmt::format("vibrates by {:.2g} m (root mean square), and its thickness is "
+                                    "0.001 m",
+                                    made["v_rms"].get<double>() / omega)));
 }
 
 TEST_F(ProgramJson, OfARunThatWasCutShortSaysSo) {
