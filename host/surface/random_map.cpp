@@ -345,8 +345,7 @@ HeightMap random_map(const RandomMap& map, double length, double width, double s
     const double lost = lost_slope(side.spacing, side.rsm / rsm_of_length);
     if (doubts != nullptr && lost > most_slope_lost)
       doubts->push_back(fmt::format(
-          "straight lines between points {} = {:.4g} m apart lose {:.0f} % of the root mean square "
-          "slope ({} {:.4g} m)",
+          "points {} = {:.4g} m apart lose {:.0f} % of the root mean square slope ({} {:.4g} m)",
           side.spacing_name, side.spacing, 100 * lost, side.rsm_name, side.rsm));
   }
   out.heights.assign(out.nx * out.ny, 0.0);
