@@ -8,7 +8,7 @@ if(NOT RA2D_BACKEND MATCHES "^(OpenMP|Serial|CUDA|HIP)$")
 endif()
 if(RA2D_BACKEND STREQUAL "HIP" AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   message(FATAL_ERROR "RA2D_BACKEND = HIP is for ROCm's compiler, not for ${CMAKE_CXX_COMPILER}: configure a new folder with "
-                      "--preset hip, or with -DCMAKE_CXX_COMPILER=hipcc")
+                      "--preset hip, or with -DCMAKE_CXX_COMPILER=amdclang++")
 endif()
 set(kokkos_by_name)  # where the user says that Kokkos is installed
 foreach(place "${Kokkos_ROOT}" "$ENV{Kokkos_ROOT}")

@@ -57,7 +57,7 @@ struct March {
   /// Blocks that a multiprocessor has room for. Twelve leave 168 registers to a thread: of what was
   /// measured on a card the fastest (docs/gpu.md).
   static constexpr int least_blocks =
-      form == Form::semi_implicit && packs * Lanes::width <= 32 ? 12 : 1;
+      warp::size == 32 && form == Form::semi_implicit && packs * Lanes::width <= 32 ? 12 : 1;
   using Policy =
       Kokkos::TeamPolicy<Space, Kokkos::LaunchBounds<most_in_block * Lanes::width, least_blocks>>;
   using Member = typename Policy::member_type;

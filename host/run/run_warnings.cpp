@@ -50,7 +50,8 @@ std::string displacement_text(const BodySpec& resonator, double displacement) {
   const double large = is_plate ? 0.5 * resonator.thickness : 0.05 * resonator.length;
   if (!(displacement > large)) return {};
   return fmt::format(
-      "the resonator vibrates by {:.2g} m (root mean square), and its {} is {:g} m: the model is "
+      "the resonator vibrates by some {:.2g} m (root mean square), and its {} is {:g} m: the model "
+      "is "
       "for small displacements, so check units and values of the scene",
       displacement, is_plate ? "thickness" : "length",
       is_plate ? resonator.thickness : resonator.length);

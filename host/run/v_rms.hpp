@@ -23,8 +23,8 @@ double v_rms(const std::vector<double>& mean_squares, const Snapshot& end,
              const Snapshot& begin = {});
 double v_rms(const Model& model, const Snapshot& end, const Snapshot& begin = {});
 
-/// Root mean square displacement of that motion about its mean [m]: each mode's velocity over its
-/// angular frequency.
+/// Estimate of the root mean square displacement of that motion about its mean [m]: each mode's
+/// velocity over its angular frequency, as where it swings freely.
 double displacement_rms(const Model& model, const std::vector<double>& mean_squares,
                         const Snapshot& end, const Snapshot& begin = {});
 

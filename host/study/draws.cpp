@@ -11,7 +11,8 @@
 namespace ra2d {
 namespace {
 
-/// The bodies whose faces the values of an axis choose.
+/// The bodies whose faces the values of an axis choose. None where its first key, whose numbers
+/// they are, is another: faces tied to it are part of what it changes.
 struct ChosenFaces {
   bool resonator = false, slider = false;
   bool operator==(const ChosenFaces&) const = default;
@@ -29,6 +30,7 @@ ChosenFaces chosen_faces(const StudyAxis& axis) {
                                 ".surface.offset_x", ".surface.offset_y"})
       if (key.ends_with(of_face))
         (key.starts_with("slider.") ? chosen.slider : chosen.resonator) = true;
+    if (chosen == ChosenFaces{}) break;
   }
   return chosen;
 }

@@ -180,7 +180,7 @@ class SmoothStep {
     const double most = 0.1 * Kokkos::max(size, 2.0 * begin_.most_energy);
     if (!(most > 0.0)) return {0.0, 0.0};
     if (!converges_) return {1e30, 1e30};
-    if (is_within(rounding)) return {0.0, 0.0};
+    if (is_within(rounding, size)) return {0.0, 0.0};
     constexpr double share = 0.1;  // of the tolerance for a step, so that many keep it together
     const double per = time_ / (share * adaptive_.tolerance),
                  noise = rounding * most_force() / time_;
@@ -482,16 +482,19 @@ class SmoothStep {
     return most;
   }
 
-  /// Whether all contacts are less deep than a rounding of the overlap, at all points: no step can
-  /// tell their forces any better. (Of a contact as deep as d the energy is 0.4 d times the force.)
-  RA2D_FUNCTION bool is_within(double rounding) const {
-    bool within = true;
-    for (int i = last_point; i >= 0 && within; --i) {
+  /// Whether contacts are in the mean less deep than a rounding of the overlap, at all points, and
+  /// nothing else moves by more than they make it: no step can tell their forces any better. (Of a
+  /// contact as deep as d the energy is 0.4 d times the force.) `size` [J]: twice the energy.
+  RA2D_FUNCTION bool is_within(double rounding, double size) const {
+    double most = 0.0;
+    for (int i = last_point; i >= 0; --i) {
       double force = 0.0;
       for (int e = 0; e < cells_; ++e) force += buffers_.force[e * points + i];
-      within = (i > 0 ? buffers_.spring_energy[i - 1] : energy_) <= 0.4 * rounding * force;
+      if (!((i > 0 ? buffers_.spring_energy[i - 1] : energy_) <= 0.4 * rounding * force))
+        return false;
+      most = Kokkos::max(most, force);
     }
-    return within;
+    return size <= 0.8 * rounding * most;
   }
 
   /// The depth of a contact that carries this force, to a factor.

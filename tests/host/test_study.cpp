@@ -1008,6 +1008,17 @@ TEST(StudyLaw, HasNoExponentOfAnOffset) {
   }
 }
 
+/// Its numbers are those of its first key.
+TEST(StudyLaw, FitsNumbersThatAFaceIsTiedTo) {
+  for (const char* keys : {"scene.speed, scene.start", "slider.surface.rq, slider.surface.path"}) {
+    const StudyLaw law =
+        fit_law(answers_of({{"x", {0.1, 0.2, 0.4}, {}, "1", keys}, {"seed", {0, 1}, {}}},
+                           [](const std::vector<double>& x) { return x[0] * (1 + 0.1 * x[1]); }));
+    ASSERT_EQ(law.exponents.size(), 1u) << keys;
+    EXPECT_NEAR(law.exponents[0].value, 1, 1e-12);
+  }
+}
+
 /// Values of an axis that chooses a face are draws as seeds are: equal answers, equal law.
 TEST(StudyLaw, RunsOfOneFaceAreNoIndependentDraws) {
   std::mt19937_64 dice{3};
