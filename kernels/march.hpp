@@ -49,13 +49,14 @@ template <class Space, class Lanes, Form form, int packs>
 struct March {
   /// Scenes of a block. The instructions of `adaptive` do not fit in the caches of a multiprocessor
   /// (docs/gpu.md), so its scenes keep step with one another (AdaptiveMarch::enter): as many as the
-  /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255.
+  /// multiprocessor has room for. Sixteen leave 128 registers to a thread, eight all 255. Where
+  /// teams may not wait for one another, a block is a warp.
   static constexpr int most_in_block = form != Form::adaptive || !warp::teams_may_wait
                                            ? warp::size / Lanes::width
                                        : packs == 1 ? 16
                                                     : 8;
-  /// Blocks that a multiprocessor has room for. Twelve leave 168 registers to a thread: of what was
-  /// measured on a card the fastest (docs/gpu.md).
+  /// Blocks that a multiprocessor has room for. Of NVIDIA's, twelve leave 168 registers to a
+  /// thread: of what was measured on a card the fastest (docs/gpu.md).
   static constexpr int least_blocks =
       warp::size == 32 && form == Form::semi_implicit && packs * Lanes::width <= 32 ? 12 : 1;
   using Policy =

@@ -51,8 +51,7 @@ std::string displacement_text(const BodySpec& resonator, double displacement) {
   if (!(displacement > large)) return {};
   return fmt::format(
       "the resonator vibrates by some {:.2g} m (root mean square), and its {} is {:g} m: the model "
-      "is "
-      "for small displacements, so check units and values of the scene",
+      "is for small displacements, so check units and values of the scene",
       displacement, is_plate ? "thickness" : "length",
       is_plate ? resonator.thickness : resonator.length);
 }
