@@ -476,7 +476,7 @@ TEST_F(Program, EnergiesThatAreRoundingsAreNotUnstable) {
 }
 
 TEST_F(Program, WhatLooksOddInAProfileIsSaid) {
-  std::ofstream(folder_ / "cut.csv") << "x,z\n0,0\n0.1,1e-6\n0.2,2e-6\n0.3,1e-6";
+  std::ofstream(folder_ / "cut.csv") << "x,z\n0,0.0e-00\n0.1,1.5e-06\n0.2,2.5e-06\n0.3,1e-06";
   const std::string face =
       "resonator.surface={ kind = \"file\", path = \"" + (folder_ / "cut.csv").string() + "\" }";
   for (const char* command : {"plan", "run"}) {
