@@ -13,6 +13,7 @@
 #include "host/analysis/distributions.hpp"
 #include "host/base/quiet_nan.hpp"
 #include "host/scene_file/scene_file.hpp"
+#include "host/scene_file/shared_stretch.hpp"
 
 namespace ra2d {
 namespace {
@@ -20,20 +21,28 @@ namespace {
 /// The scene as text, without its numerics, what is stored of it and what chooses among faces of
 /// one roughness.
 std::string text_without_faces(Scene scene) {
-  scene = without_origins(std::move(scene));
-  scene.time = {};
-  scene.output = {};
-  scene.start = 0;
-  scene.side = {};
+  scene = without_place(std::move(scene));
   for (SurfaceSpec* face : {&scene.resonator.surface, &scene.slider.surface}) {
     face->seed = 0;
     face->path.clear();
-    face->prepared.offset_x.reset();
-    face->prepared.offset_y.reset();
     face->prepared.row.reset();
     face->prepared.column.reset();
   }
   return echo(scene);
+}
+
+/// Of different runs that touch a part of the same faces; empty where there are none.
+std::string doubt_of_stretches(const std::vector<const Analysis*>& runs) {
+  std::vector<Scene> scenes;
+  for (const Analysis* one : runs) scenes.push_back(*one->scene);
+  const auto two = two_on_one_stretch(scenes);
+  if (!two) return {};
+  return fmt::format(
+      "{} and {} touch a part of the same faces: the means take them for independent, and their "
+      "intervals are too narrow. Let starts lie {:.4g} m apart or more (the slider's length and "
+      "what it slides), or leave one out",
+      runs[two->first]->file.string(), runs[two->second]->file.string(),
+      touched_length(scenes.front()));
 }
 
 /// Equal for results of one run.
@@ -161,6 +170,11 @@ std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses) 
         fmt::format("{} and {} are of scenes that differ in more than their faces ('ra2d compare' "
                     "shows in what): the means mix them",
                     analyses.front().file.string(), other->file.string()));
+  std::vector<const Analysis*> with_scene;
+  for (const Analysis& one : analyses)
+    if (one.scene && runs[run_of(one)].front() == &one) with_scene.push_back(&one);
+  if (std::string doubt = doubt_of_stretches(with_scene); !doubt.empty())
+    doubts.push_back(std::move(doubt));
   return doubts;
 }
 

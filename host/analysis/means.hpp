@@ -35,8 +35,9 @@ struct FigureOfRuns {
 };
 std::vector<FigureOfRuns> means_of(const std::vector<Analysis>& analyses);
 
-/// Where the results are no independent runs of one scene: a run that is there twice, and scenes
-/// that differ in more than their faces. One text for each of these.
+/// Where the results are no independent runs of one scene: a run that is there twice, runs that
+/// touch a part of the same faces, and scenes that differ in more than their faces. One text for
+/// each of these.
 std::vector<std::string> doubts_of_means(const std::vector<Analysis>& analyses);
 
 }  // namespace ra2d

@@ -116,7 +116,7 @@ void print_report(const Scene& scene, const RunReport& r, const std::filesystem:
   if (r.mesh.stands_out()) print_line("mesh tone", mesh_tone_text(r.mesh));
   print_line("nodes evaluated", fmt::format("{:.4g} a step, on average", r.nodes_evaluated));
   print_energy(r.energy);
-  for (const std::string& warning : warnings_of(scene, r, {})) print_line("warning", warning);
+  for (const std::string& warning : r.warnings) print_line("warning", warning);
   print_cost(r);
   print_line("file", printable(output.string()));
 }
@@ -276,7 +276,7 @@ int run_scene(RunRequest& request) {
     const SceneSound sound = print_sound(scene, output, !request.json && !common.quiet);
     const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
     if (request.json) {
-      RunReport there = report_of_file(output);
+      RunReport there = report_of_file(scene, output);
       there.resumable = zooms.resumable;
       there.doubts = report.doubts;
       print_text(run_json(scene, there, output, zooms.status, zooms.files, sound));
@@ -285,7 +285,7 @@ int run_scene(RunRequest& request) {
   }
   if (!common.quiet && !request.json) print_report(scene, report, output);
   const SceneSound sound = print_sound(scene, output, !common.quiet && !request.json);
-  if (request.json) say_doubts(warnings_of(scene, report, sound), common.quiet);
+  if (request.json) say_doubts(warnings_of(report, sound), common.quiet);
   if (report.ending != Ending::complete) zoom = {};
   const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
   const int status =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "host/device/collocation_tables.hpp"
 #include "host/device/flight_tables.hpp"
@@ -196,6 +197,12 @@ void Filler::modes() {
   double moving = 0;  // N
   for (const MovingForce& f : scene_.resonator.moving_forces) moving += std::abs(f.force);
   double supplied = 0;  // J, by the outer forces within a step from rest
+  // m/s: multipliers part faces at once, also those that overlap by roundings, at many steps
+  const double rounding =
+      scene_.contact.law == ContactLaw::multiplier
+          ? 100 * std::numeric_limits<double>::epsilon() * largest_height(model_) / model_.tick
+          : 0.0;
+  double of_roundings = 0;  // J
   int lane = 0;
   for (const Body* body : {&model_.resonator, &model_.slider})
     for (std::size_t k = 0; k < body->modes.size(); ++k, ++lane) {
@@ -222,6 +229,7 @@ void Filler::modes() {
       else
         step_of(mode);
       supplied += 0.5 * std::pow(model_.tick * mode.outer_force, 2) / oscillator.mass;
+      of_roundings += 0.5 * oscillator.mass * std::pow(rounding / largest, 2);
       if (n_.smooth) {
         const double eighth = 0.125 * scene_.spacing * scene_.spacing;
         host_(tables_.bounds.cell_sag)[lane] =
@@ -241,7 +249,7 @@ void Filler::modes() {
   if (!is_adaptive(scene_)) bounds_per_newton();
   // from rest the velocity is up to a step ahead of the work of these forces, or (midpoint) half a
   // step behind
-  tables_.output.least_energy = 1e-30 + 4.0 * supplied;
+  tables_.output.least_energy = 1e-30 + 4.0 * supplied + of_roundings;
 }
 
 /// The weights of a scheme of fixed steps, and the bounds that follow from them.

@@ -136,14 +136,6 @@ void cut_to_window(Model& m) {
       m.samples, std::llround(std::ceil(sample(window[0] / m.tick) * (1 - 1e-15) - forgiven)));
 }
 
-/// The largest of the lengths that an overlap is the difference of [m].
-double largest_height(const Model& m) {
-  double size = std::abs(m.delta);
-  for (const SharedNumbers* face : {&m.resonator_height, &m.slider_height})
-    for (const double h : *face) size = std::max(size, std::abs(h));
-  return size;
-}
-
 /// Of the undeformed faces at t = 0 [m].
 double largest_overlap(const Model& m) {
   if (m.has_smooth_faces()) return largest_smooth_overlap(m);
@@ -351,6 +343,13 @@ Model with_settings(const Model& made, const Scene& scene) {
 std::int64_t first_counted(const Model& model) {
   const double ticks = model.scene.output.from / model.tick;
   return static_cast<std::int64_t>(std::ceil(ticks * (1 - 1e-15)));  // 0.3/1e-8 is a whole number
+}
+
+double largest_height(const Model& m) {
+  double size = std::abs(m.delta);
+  for (const SharedNumbers* face : {&m.resonator_height, &m.slider_height})
+    for (const double h : *face) size = std::max(size, std::abs(h));
+  return size;
 }
 
 double rest_overlap(const Model& model) {

@@ -73,6 +73,9 @@ Model with_settings(const Model& made, const Scene& scene);
 /// Tick at which level and shock statistics begin: the first at or after `output.from`.
 std::int64_t first_counted(const Model& model);
 
+/// The largest of the lengths that an overlap is the difference of [m].
+double largest_height(const Model& model);
+
 /// Largest overlap of the undeformed faces at t = 0 [m]; 0 where it is no more than roundings.
 double rest_overlap(const Model& model);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "host/analysis/analysis.hpp"
@@ -45,10 +46,9 @@ Json mesh_json(const MeshTone& mesh) {
 }
 
 /// All that the run warns of, each once: doubts of two faces may be the same.
-std::vector<std::string> all_warnings(const Scene& scene, const RunReport& r,
-                                      const SceneSound& sound) {
+std::vector<std::string> all_warnings(const RunReport& r, const SceneSound& sound) {
   std::vector<std::string> all = r.doubts;
-  for (std::string& warning : warnings_of(scene, r, sound)) all.push_back(std::move(warning));
+  for (std::string& warning : warnings_of(r, sound)) all.push_back(std::move(warning));
   std::vector<std::string> once;
   for (std::string& warning : all)
     if (std::find(once.begin(), once.end(), warning) == once.end())
@@ -87,7 +87,7 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
             {"energy", energy_json(r.energy)},
             {"mesh_tone", mesh_json(r.mesh)},
             {"beyond_limit", r.beyond_limit.empty() ? Json() : Json(r.beyond_limit)},
-            {"warnings", all_warnings(scene, r, sound)},
+            {"warnings", all_warnings(r, sound)},
             {"wall_seconds", r.wall_seconds},
             {"march_seconds", r.march_seconds},
             {"read_back_seconds", r.read_back_seconds},
@@ -109,7 +109,7 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-RunReport report_of_file(const std::filesystem::path& file) {
+RunReport report_of_file(const Scene& scene, const std::filesystem::path& file) {
   const ResultReader reader(file);
   const ResultContents& contents = reader.contents();
   const ResultSummary& summary = contents.summary;
@@ -131,6 +131,9 @@ RunReport report_of_file(const std::filesystem::path& file) {
   report.energy.residual = summary.energy_residual;
   report.energy.turnover = summary.energy_turnover;
   report.energy.samples = std::isfinite(summary.energy_turnover) ? 2 : 0;
+  std::istringstream lines(summary.warnings);
+  for (std::string line; std::getline(lines, line);) report.warnings.push_back(line);
+  if (report.warnings.empty()) report.warnings = warnings_of_figures(scene, report);  // older files
   report.march_seconds = summary.step_seconds * static_cast<double>(summary.steps);
   report.wall_seconds = summary.wall_seconds;
   report.read_back_seconds = quiet_nan;

@@ -19,6 +19,6 @@ std::string run_json(const Scene& scene, const RunReport& report,
 
 /// The report of a run that was found in its file, complete (Ending::there). Its ending stays
 /// `there`. What only the running program knew is NaN or 0. Throws FileError.
-RunReport report_of_file(const std::filesystem::path& file);
+RunReport report_of_file(const Scene& scene, const std::filesystem::path& file);
 
 }  // namespace ra2d

@@ -11,6 +11,7 @@
 #include "host/base/quiet_nan.hpp"
 #include "host/plan/plan.hpp"
 #include "host/result/level.hpp"
+#include "host/run/run_warnings.hpp"
 #include "host/run/v_rms.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -134,6 +135,7 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
   report.energy = a.energy.balance();
   report.contact_share_of_energy = a.energy.contact_share_of_energy();
   report.march_seconds = a.march_seconds;
+  report.warnings = warnings_of_figures(run.model().scene, report);
   return report;
 }
 
@@ -161,6 +163,7 @@ ResultSummary summary_of(const RunReport& report) {
   summary.wall_seconds = report.wall_seconds;
   summary.steps = static_cast<long>(report.steps);
   summary.complete = report.ending == Ending::complete;
+  summary.warnings = fmt::format("{}", fmt::join(report.warnings, "\n"));
   summary.ended = report.ending == Ending::failed ? report.failure : ending_name(report.ending);
   return summary;
 }

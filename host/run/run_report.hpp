@@ -27,10 +27,11 @@ struct RunReport : NoiseFigures {
   std::string failure;              // what, when, which limit, which cure; empty unless it failed
   std::string beyond_limit;         // what the step goes beyond (time.force); empty while it holds
   std::vector<std::string> doubts;  // Model::doubts
-  double time = 0;                  // s simulated
-  double counted = 0;               // s of them after output.from
-  std::int64_t steps = 0;           // made, of fixed or of adaptive length
-  IntervalsOfRun intervals;         // of lv and shock_rate, by chance within this run
+  std::vector<std::string> warnings;  // warnings_of_figures
+  double time = 0;                    // s simulated
+  double counted = 0;                 // s of them after output.from
+  std::int64_t steps = 0;             // made, of fixed or of adaptive length
+  IntervalsOfRun intervals;           // of lv and shock_rate, by chance within this run
   MeshTone mesh;
   EnergyBalance energy;
   double contact_share_of_energy = quiet_nan;

@@ -58,14 +58,18 @@ std::string displacement_text(const BodySpec& resonator, double displacement) {
 
 }  // namespace
 
-std::vector<std::string> warnings_of(const Scene& scene, const RunReport& report,
-                                     const SceneSound& sound) {
+std::vector<std::string> warnings_of_figures(const Scene& scene, const RunReport& report) {
   std::vector<std::string> warnings;
   if (report.energy.closure() > much_energy) warnings.push_back(energy_text(scene, report.energy));
   if (std::string text = tolerance_text(scene, report.contact_share_of_energy); !text.empty())
     warnings.push_back(std::move(text));
   if (std::string text = displacement_text(scene.resonator, report.displacement_rms); !text.empty())
     warnings.push_back(std::move(text));
+  return warnings;
+}
+
+std::vector<std::string> warnings_of(const RunReport& report, const SceneSound& sound) {
+  std::vector<std::string> warnings = report.warnings;
   for (std::size_t i = 0; i < sound.microphones.size(); ++i)
     if (const std::string text = warning_of(sound.microphones[i]); !text.empty())
       warnings.push_back(fmt::format("microphone {}: {}", i + 1, text));

@@ -102,6 +102,46 @@ std::uint32_t deep_line(std::string_view text) {
   return 0;
 }
 
+/// The table to which a line at the end of the text would belong, from the table that holds `mark`.
+const toml::table* table_with(const toml::table& table, std::string_view mark) {
+  if (table.contains(mark)) return &table;
+  for (const auto& [name, node] : table) {
+    const toml::table* inner = node.as_table();
+    if (const auto* array = node.as_array(); array != nullptr && !array->empty())
+      inner = array->back().as_table();
+    if (inner == nullptr) continue;
+    if (const toml::table* found = table_with(*inner, mark)) return found;
+  }
+  return nullptr;
+}
+
+/// Of a key or section that stands twice: the line of the first, and the cure. Empty for all other
+/// errors, and inside lists and tables of one line.
+std::string first_place(const std::string& text, const toml::parse_error& error) {
+  constexpr std::string_view twice = "cannot redefine existing", mark = "the end";
+  const std::string_view says = error.description();
+  const std::size_t open = says.find('\''), close = says.rfind('\'');
+  if (says.find(twice) == says.npos || open == close) return {};
+  const std::string_view key = says.substr(open + 1, close - open - 1);
+  std::size_t begin = 0;  // of the line with the error
+  for (std::uint32_t line = 1; line < error.source().begin.line; ++line)
+    begin = text.find('\n', begin) + 1;
+  const std::string_view line = trimmed(std::string_view(text).substr(begin));
+  const bool is_section = line.starts_with('[');
+  if (!is_section && !line.starts_with(key)) return {};
+  try {
+    const toml::table before = toml::parse(text.substr(0, begin) + fmt::format("\"{}\" = 0", mark));
+    const toml::table* table = is_section ? &before : table_with(before, mark);
+    if (table == nullptr) return {};
+    const toml::node* first = toml::at_path(*table, key).node();
+    if (first == nullptr) return {};
+    return fmt::format(", which stands in line {} already: keep one of the two",
+                       first->source().begin.line);
+  } catch (const toml::parse_error&) {  // the line is part of a value of several lines
+    return {};
+  }
+}
+
 std::string of(const std::string& what, const std::string& unit) {
   return unit.empty() ? what : fmt::format("{} ({})", what, unit);
 }
@@ -409,8 +449,9 @@ Document::Document(const std::string& text, const std::filesystem::path& file,
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
     is_toml = false;
-    parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}", parts_->file, at.line, at.column,
-                                     shortened(error.description(), longest_complaint)));
+    parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}{}", parts_->file, at.line, at.column,
+                                     shortened(error.description(), longest_complaint),
+                                     first_place(text, error)));
   }
   override_with(overrides);
   if (!is_toml) {

@@ -185,6 +185,7 @@ ResultSummary summary_of(hid_t file) {
   summary.steps = number_attribute(file, "steps");
   summary.complete = number_attribute(file, "complete") != 0;
   summary.ended = text_attribute(file, "ended");
+  if (check(H5Aexists(file, "warnings")) > 0) summary.warnings = text_attribute(file, "warnings");
   return summary;
 }
 

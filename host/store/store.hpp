@@ -70,6 +70,7 @@ struct ResultSummary : NoiseFigures {
   double wall_seconds = 0;
   long steps = 0;
   bool complete = true;  // false: cut short
+  std::string warnings;  // of the run's figures, a line each; no attribute if empty
   std::string ended;     // "complete", "interrupted", "unstable: ..."
 };
 

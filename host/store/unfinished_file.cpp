@@ -219,6 +219,7 @@ void UnfinishedFile::write_summary(const ResultSummary& summary) {
   give({"steps", std::int64_t{summary.steps}});
   give({"complete", std::int64_t{summary.complete}});
   give({"ended", summary.ended});
+  if (!summary.warnings.empty()) give({"warnings", summary.warnings});
 }
 
 /// Takes everything back. HDF5 cannot drop what it has not written yet, so its descriptor is first

@@ -22,9 +22,8 @@ struct Draws {
   std::vector<std::string> axes;    // whose values make them; none: nothing is drawn
   std::vector<std::size_t> of_run;  // from 0 to before `count`
   std::size_t count = 1;
-  /// Some axes choose the slider's faces and others the resonator's: no group of runs is
-  /// independent of all others.
-  bool crossed = false;
+  /// Why no group of runs is independent of all others; empty where each draw is.
+  std::string dependent;
 };
 Draws draws_of(const StudyAnswers& answers, const std::vector<double>& amplitude);
 

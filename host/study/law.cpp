@@ -133,7 +133,7 @@ void set_intervals(StudyLaw& law, const Draws& draws, const std::vector<std::siz
   for (const std::size_t run : runs)
     clusters.push_back(numbers.try_emplace(draws.of_run[run], numbers.size()).first->second);
   law.seeds = numbers.size();
-  if (draws.crossed) return;
+  if (!draws.dependent.empty()) return;
   const std::vector<CoefficientError> errors =
       law.seeds == 1 ? independent_errors(equations.x, variance)
                      : clustered_errors(equations.x, deviations, clusters);
@@ -199,7 +199,7 @@ StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
   law.deviation = 20 * std::sqrt(residual / free);
   const Draws draws = draws_of(answers, amplitude);
   law.drawn_by = draws.axes;
-  law.crossed = draws.crossed;
+  law.dependent = draws.dependent;
   set_intervals(law, draws, runs, equations, deviations, residual / free);
   if (law.seeds > 1) law.line = test_straight_line(answers, amplitude, fitted, draws);
   return law;

@@ -72,7 +72,7 @@ struct StudyLaw {
   std::size_t left_out = 0;           // missing, failed, or of amplitude 0
   std::size_t seeds = 1;              // draws that the intervals are of; 1: of runs
   std::vector<std::string> drawn_by;  // dimensions whose values are the draws: mostly "seed"
-  bool crossed = false;               // Draws::crossed: there are no intervals
+  std::string dependent;              // Draws::dependent: then there are no intervals
   StraightLine line;
   LawQuantity of = vibration;
 };

@@ -33,11 +33,7 @@ std::size_t count_of(const StudyAnswers& answers, RunStatus status) {
 
 /// Says which runs the intervals take for independent.
 std::string intervals_text(const StudyLaw& law) {
-  if (law.crossed)
-    return fmt::format(
-        "no intervals: {} choose faces of different bodies, so that each run shares a face with "
-        "others. Take several `seeds` instead",
-        fmt::join(law.drawn_by, " and "));
+  if (!law.dependent.empty()) return "no intervals: " + law.dependent;
   if (law.seeds == 1) return "intervals by the runs, each taken for chance of its own";
   if (law.drawn_by == std::vector<std::string>{"seed"})
     return fmt::format("intervals by the {} seeds: runs of one seed share their surfaces",
@@ -55,11 +51,11 @@ std::string law_text(const StudyLaw& law) {
   formula += ", of values in SI units";
   std::string text = fmt::format("  {:<17}{}\n", "law", formula);
   for (const Exponent& e : law.exponents)
-    text += std::isnan(e.low)
-                ? fmt::format("    {:<15}{:.3f} ({})\n", e.name, e.value,
-                              law.crossed ? "no interval" : "too few runs for an interval")
-                : fmt::format("    {:<15}{:.3f}, 95 % from {:.3f} to {:.3f}\n", e.name, e.value,
-                              e.low, e.high);
+    text += std::isnan(e.low) ? fmt::format("    {:<15}{:.3f} ({})\n", e.name, e.value,
+                                            law.dependent.empty() ? "too few runs for an interval"
+                                                                  : "no interval")
+                              : fmt::format("    {:<15}{:.3f}, 95 % from {:.3f} to {:.3f}\n",
+                                            e.name, e.value, e.low, e.high);
   text += fmt::format("    {} runs, R^2 = {:.4f}", law.runs, law.explained);
   if (!std::isnan(law.deviation))
     text += fmt::format(", {:.2f} dB from the law to a run", law.deviation);

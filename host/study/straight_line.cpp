@@ -154,8 +154,12 @@ StraightLine test_straight_line(const StudyAnswers& answers, const std::vector<d
   const Grid grid = complete_grid(answers, amplitude, fitted, draws);
   const auto seeds = grid.y.cols();
   if (seeds < 2) {
-    line.why_not_tested = fmt::format("it takes two seeds that have all points, there {}",
-                                      seeds == 1 ? "is one" : "are none");
+    line.why_not_tested =
+        fmt::format("it takes two {} that have all points, there {}",
+                    draws.axes == std::vector<std::string>{"seed"}
+                        ? "seeds"
+                        : fmt::format("values of {}", fmt::join(draws.axes, " and ")),
+                    seeds == 1 ? "is one" : "are none");
     return line;
   }
   Eigen::RowVectorXd middle;

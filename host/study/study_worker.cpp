@@ -34,7 +34,6 @@
 #include "host/run/run_files.hpp"
 #include "host/run/run_key.hpp"
 #include "host/run/run_report.hpp"
-#include "host/run/run_warnings.hpp"
 #include "host/run/simulation.hpp"
 #include "host/run/v_rms.hpp"
 #include "host/system/interruption.hpp"
@@ -376,8 +375,7 @@ class Worker {
     std::erase_if(warnings, [&](const std::string& doubt) {
       return std::find(of_keys.begin(), of_keys.end(), doubt) != of_keys.end();
     });
-    for (std::string& warning : warnings_of(model.scene, report, {}))
-      warnings.push_back(std::move(warning));
+    warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
     return warnings;
   }
 

@@ -137,13 +137,16 @@ void prepare_map(HeightMap& map, const MapPreparation& how, const std::string& n
         fmt::format("{}: its points are {:g} m apart along x, its rows {:g} m: was that meant in "
                     "metres?",
                     name, map.spacing, map.spacing_y));
+  std::vector<std::string> steep;
   for (const bool along_y : {false, true})
     if (const double slope = map_slope(map, along_y); slope > usual_faces::steepest)
-      doubts->push_back(
-          fmt::format("{}: along {} its slopes have a root mean square of {:.3g}, steeper than any "
-                      "face: are heights and spacings in their units (a profile, or a list of "
-                      "points, is no map)?",
-                      name, along_y ? 'y' : 'x', slope));
+      steep.push_back(fmt::format("{:.3g} along {}", slope, along_y ? 'y' : 'x'));
+  if (!steep.empty())
+    doubts->push_back(
+        fmt::format("{}: its slopes have a root mean square of {}, steeper than any face: are "
+                    "heights and spacings in their units (a profile, or a list of points, is no "
+                    "map)?",
+                    name, fmt::join(steep, " and ")));
   if (how.form.degree >= 1) return;
   HeightMap level = map;
   remove_map_form(level, {1});

@@ -156,13 +156,14 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
   ProfileLines lines(file, longest_row);
   TextFields fields;
   std::string scratch;
+  NumbersAtEnds at_ends;
   std::vector<LineFault> faults;
   while (faults.size() < most_faults && lines.next()) {
     if (lines.number() <= header.lines) continue;
     if (lines.too_long()) refuse_long_row(file, lines.number());
     dialect.split(lines.text(), fields);
     if (fields.empty()) continue;
-    if (!lines.has_end()) map.doubt = doubt_of_last_line(file);
+    at_ends.see(fields.back(), lines.has_end());
     std::string fault = add_row(dialect, fields, scratch, map.numbers);
     ++map.ny;
     if (map.ny > 1)
@@ -172,6 +173,7 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
     faults.push_back({lines.number(), std::move(fault)});
   }
   if (!faults.empty()) refuse(file, std::move(faults));
+  if (at_ends.may_be_cut()) map.doubt = doubt_of_last_line(file);
   require_map_size(file.string(), static_cast<double>(map.nx), static_cast<double>(map.ny));
   return map;
 }

@@ -67,7 +67,7 @@ constexpr double most_slope_lost = 0.05;
 void doubt_lost_slope(const std::filesystem::path& file, double slope_of_points, double step,
                       double slope_of_nodes, double spacing, std::vector<std::string>* doubts);
 
-/// Doubt of a text that may be cut off in its last number: its last line has no end.
+/// Doubt of a text that may be cut off in its last number (NumbersAtEnds).
 std::string doubt_of_last_line(const std::filesystem::path& file);
 
 /// The width of `linear:WIDTH` [m]; nothing for another text.

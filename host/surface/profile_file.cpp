@@ -80,6 +80,7 @@ ProfilePoints read_points(const std::filesystem::path& file) {
     ProfilePoint point{quiet_nan, 0};
     std::string fault = understand(words, values, point);
     if (!std::isnan(point.x)) profile.digits.see(words[0]);
+    profile.at_ends.see(words.back(), profile.has_end);
     profile.add(file, lines.number(), point);
     if (fault.empty()) continue;
     if (!profile.has_end) fault += " (the line has no end: was the file cut off here?)";
@@ -278,7 +279,7 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
   if (const LineFault odd = find_oddity(profile, length, relief);
       doubts != nullptr && !odd.text.empty())
     doubts->push_back(fmt::format("{}:{}: {}", file.string(), odd.line, odd.text));
-  if (doubts != nullptr && !profile.has_end)
+  if (doubts != nullptr && profile.at_ends.may_be_cut())
     doubts->push_back(
         fmt::format("{}:{}: the last line has no end: if the file was cut off there, "
                     "its height of {:.6g} m is wrong",

@@ -117,6 +117,25 @@ double PrintedDigits::rounding(double x) const {
   return 0.5 * std::pow(10.0, std::max<double>(leading + 1 - significant, -decimals));
 }
 
+void NumbersAtEnds::see(std::string_view word, bool line_has_end) {
+  constexpr std::string_view all_digits = "0123456789";
+  if (word.find_first_of(all_digits) == word.npos) return;  // a missing point
+  const auto digits_of = [&](std::string_view part) {
+    return static_cast<std::size_t>(std::count_if(
+        part.begin(), part.end(), [&](char c) { return all_digits.find(c) != part.npos; }));
+  };
+  const std::size_t mantissa_end = std::min(word.find_first_of("eE"), word.size());
+  const std::string_view mantissa = word.substr(0, mantissa_end);
+  const std::size_t mark = std::min(mantissa.find_first_of(".,"), mantissa.size());
+  const std::size_t decimals = digits_of(mantissa.substr(mark)),
+                    of_exponent =
+                        std::min(digits_of(word.substr(mantissa_end)), fewest_decimals_.size() - 1);
+  const auto end = fewest_decimals_.begin() + static_cast<std::ptrdiff_t>(of_exponent) + 1;
+  may_be_cut_ = !line_has_end && std::none_of(fewest_decimals_.begin(), end,
+                                              [&](std::size_t few) { return few <= decimals; });
+  fewest_decimals_[of_exponent] = std::min(fewest_decimals_[of_exponent], decimals);
+}
+
 void ProfilePoints::add(const std::filesystem::path& file, std::size_t line, ProfilePoint point) {
   if (runs_.empty() || line != line_of(points.size() - 1) + 1)
     runs_.push_back({points.size(), line});

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -75,6 +77,20 @@ struct PrintedDigits {
   double rounding(double x) const;
 };
 
+/// The numbers at the ends of lines. Where the last line has no end, the file may be cut off inside
+/// its number: then this has fewer digits behind its mark, or in its exponent, than any before it.
+/// Of whole numbers, or where digits vary, a cut leaves no trace.
+class NumbersAtEnds {
+ public:
+  NumbersAtEnds() { fewest_decimals_.fill(std::numeric_limits<std::size_t>::max()); }
+  void see(std::string_view word, bool line_has_end);
+  bool may_be_cut() const { return may_be_cut_; }
+
+ private:
+  std::array<std::size_t, 5> fewest_decimals_;  // by the digits of the exponent
+  bool may_be_cut_ = false;
+};
+
 struct ProfilePoint {
   double x, z;  // x is NaN where the line could not be understood
 };
@@ -83,6 +99,7 @@ struct ProfilePoints {
   std::deque<ProfilePoint> points;  // which holds no more than they need while it grows
   std::vector<LineFault> faults;
   PrintedDigits digits;
+  NumbersAtEnds at_ends;
   bool has_end = true;  // the last line
 
   /// Throws RequestError where there are too many.

@@ -212,6 +212,7 @@ ProfilePoints read_text_points(const std::filesystem::path& file, const TextDial
       fault = fmt::format("{} columns, and {} in the lines before", fields.size(), dialect.columns);
     } else {
       const std::string_view z = fields[columns.z];
+      if (columns.z + 1 == fields.size()) profile.at_ends.see(z, profile.has_end);
       if (!is_missing_word(z)) {
         const auto value = dialect.number(z, scratch);
         fault = fault_of(z, value, "z");
@@ -318,7 +319,7 @@ Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery&
   if (columns.x)
     profile.spacing = (points.back().x - points.front().x) /
                       static_cast<double>(points.size() - 1) * (x_unit ? x_unit->metres : 1);
-  if (!read.has_end) profile.doubt = doubt_of_last_line(file);
+  if (read.at_ends.may_be_cut()) profile.doubt = doubt_of_last_line(file);
   const double metres = z_unit ? z_unit->metres : 1;
   profile.heights.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

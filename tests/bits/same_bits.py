@@ -44,8 +44,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # -------------------------------------------------------------------------------------
 
 COST = {f"summary/{name}" for name in ("nodes_evaluated", "step_seconds", "wall_seconds")}
-# attributes of a file
-PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format"}
+# attributes of a file; the words of warnings are the program's
+PROVENANCE = {"commit", "version", "started", "wall_seconds", "threads", "backend", "key", "format",
+              "warnings"}
 # which files of older programs lack
 ADDED = {"shocks/shock", "summary/lv_low", "summary/lv_high", "summary/shock_rate_low",
          "summary/shock_rate_high",

@@ -645,7 +645,14 @@ TEST_F(Analyze, MeansAreOfRunsThatDifferByTheirFaces) {
   EXPECT_THAT(ra2d({"analyze", "a.h5", "copy.h5", "a.h5"}).err,
               testing::StartsWith("ra2d: a.h5, copy.h5 and 1 more are of one run: in the means "
                                   "it counts 3 times"));
-  EXPECT_EQ(ra2d({"analyze", "a.h5", "sampled.h5"}).err, "");
+  run("near.h5", {"scene.start=0.11"});
+  run("far.h5", {"scene.start=0.05"});
+  for (const char* shares : {"near.h5", "sampled.h5"})
+    EXPECT_THAT(ra2d({"analyze", "a.h5", "far.h5", shares}).err,
+                testing::AllOf(testing::StartsWith("ra2d: a.h5 and "),
+                               HasSubstr(std::string(shares) + " touch a part of the same faces: "),
+                               HasSubstr("Let starts lie 0.03 m apart or more")));
+  EXPECT_EQ(ra2d({"analyze", "a.h5", "far.h5"}).err, "");
   EXPECT_THAT(
       ra2d({"analyze", "a.h5", "fast.h5", "--json"}).err,
       testing::StartsWith("ra2d: a.h5 and fast.h5 are of scenes that differ in more than "));

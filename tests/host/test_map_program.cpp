@@ -124,17 +124,22 @@ TEST_F(MapProgram, DoubtsSlopesThatNoFaceHas) {
                                                   "1 2 1\n2 3 2\n1 2 1\n";
   const Ended narrow = run({"map", "narrow.txt"});
   EXPECT_EQ(narrow.status, 0);
-  EXPECT_THAT(narrow.err, AllOf(HasSubstr("along y its slopes have a root mean square of 100,"),
+  EXPECT_THAT(narrow.err, AllOf(HasSubstr("its slopes have a root mean square of 100 along y,"),
                                 testing::Not(HasSubstr("along x"))));
+  std::ofstream(folder_.path() / "both.txt") << "# z [mm], spacing = 10 um\n1 2 1\n2 3 2\n1 2 1\n";
+  const Ended both = run({"map", "both.txt"});
+  EXPECT_THAT(both.err, HasSubstr("of 100 along x and 100 along y, steeper than any face"));
+  EXPECT_EQ(std::count(both.err.begin(), both.err.end(), '\n'), 1);
 }
 
 TEST_F(MapProgram, DoubtsAFileThatMayBeCutOffInItsLastNumber) {
-  const std::string text = "# z [um], spacing = 10 um\n1.25 2.5 1.25\n2.5 1.25 2.5\n1.25 2.5 1.25";
-  for (const bool whole : {false, true}) {
-    std::ofstream(folder_.path() / "m.txt") << text << (whole ? "\n" : "");
+  const std::string text = "# z [um], spacing = 10 um\n1.25 2.5 1.25\n2.5 1.25 2.25\n1.25 2.5 1.2";
+  for (const std::string rest : {"", "\n", "5"}) {
+    std::ofstream(folder_.path() / "m.txt") << text << rest;
     const Ended map = run({"map", "m.txt"});
     EXPECT_EQ(map.status, 0);
-    EXPECT_EQ(map.err.find("m.txt: the last line has no end") != map.err.npos, !whole) << map.err;
+    EXPECT_EQ(map.err.find("m.txt: the last line has no end") != map.err.npos, rest.empty())
+        << map.err;
   }
 }
 

@@ -373,11 +373,24 @@ TEST_F(SurfaceMeasure, PrintsJsonInMetres) {
 }
 
 TEST_F(SurfaceMeasure, DoubtsAFileThatMayBeCutOffInItsLastNumber) {
-  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.5\n0.2;1.25";
-  for (const bool whole : {false, true}) {
-    std::ofstream(folder.path() / "cut.txt") << text << (whole ? "\n" : "");
+  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.50\n0.2;1";
+  for (const char* rest : {"", ".", ".2", "\n", ".25", ".250"}) {
+    std::ofstream(folder.path() / "cut.txt") << text << rest;
     EXPECT_EQ(run({"cut.txt", "--filter", "none"}), 0);
-    EXPECT_EQ(err.find("cut.txt: the last line has no end") != err.npos, !whole) << err;
+    const bool is_cut = std::string(rest).size() < 3 && *rest != '\n';
+    EXPECT_EQ(err.find("cut.txt: the last line has no end") != err.npos, is_cut) << rest << err;
+  }
+}
+
+/// Neither of numbers without a mark nor where their digits vary.
+TEST_F(SurfaceMeasure, DoubtsNoFileForAMissingLineEndAlone) {
+  for (const char* text :
+       {"x [mm]; z [um]\n0;1\n0.1;23\n0.2;2", "x [mm]; z [um]\n0;1.2\n0.1;2.25\n0.2;2.5",
+        "x [mm]; z [mm]\n0;1e-3\n0.1;2e-3\n0.2;1.5e-3",
+        "x [mm]; z [um]\n0;1,25\n0.1;2,5\n0.2;1,3"}) {
+    std::ofstream(folder.path() / "open.txt") << text;
+    run({"open.txt", "--filter", "none"});
+    EXPECT_THAT(err, Not(HasSubstr("has no end"))) << text;
   }
 }
 

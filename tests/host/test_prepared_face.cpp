@@ -307,11 +307,11 @@ TEST_F(PreparedFace, AFilterThatChangesNothingIsDoubted) {
 }
 
 TEST_F(PreparedFace, AFileThatMayBeCutOffInItsLastNumberIsDoubted) {
-  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.5\n0.2;1.25";
+  const std::string text = "x [mm]; z [um]\n0;1.25\n0.1;2.50\n0.2;1.2";
   write(text);
   face(2e-4, 1e-4);
   EXPECT_THAT(doubts, testing::ElementsAre(HasSubstr("profile: the last line has no end")));
-  write(text + '\n');
+  write(text + '5');
   face(2e-4, 1e-4);
   EXPECT_THAT(doubts, IsEmpty());
 }

@@ -97,6 +97,20 @@ TEST_F(ProgramJson, OfARunHasItsWarnings) {
             Json::array());
 }
 
+/// Also those of figures that the file does not have.
+TEST_F(ProgramJson, OfARunThatIsThereHasTheWarningsOfItsMaking) {
+  std::vector<std::string> words{"run", scene_file("dang2012"), "--json", "-o", "r.h5"};
+  for (const char* set : {"scene.duration=0.02", "time.scheme=adaptive", "time.tolerance=1e-3",
+                          "resonator.moving_force=[{ force = 4000.0, speed = 1.0, start = 0.1 }]"})
+    words.insert(words.end(), {"--set", set});
+  const Json made = json(words), found = json(words);
+  EXPECT_THAT(made["warnings"].dump(), testing::AllOf(HasSubstr("says little about them"),
+                                                      HasSubstr("the resonator vibrates by some")));
+  EXPECT_EQ(found["was_there"], true);
+  EXPECT_EQ(found["warnings"], made["warnings"]);
+  EXPECT_EQ(run({"check", "r.h5"}).status, 0);
+}
+
 /// The only mode moves by its velocity over its angular frequency. The gap makes the corner of the
 /// plate give way to the block.
 TEST_F(ProgramJson, APlateThatMovesByItsThicknessIsDoubted) {

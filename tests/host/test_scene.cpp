@@ -297,7 +297,12 @@ const std::vector<Refused> refused_scenes{
     // not TOML
     {"Syntax", {{"speed = 0.5", "speed = = 0.5"}}, {"s.toml:3:", "not TOML"}},
     {"BadHeader", {{"[scene]", "[[[scene]]]"}}, {"s.toml:1:", "not TOML"}},
-    {"KeyTwice", {{"speed = 0.5", "speed = 1\nspeed = 1"}}, {"s.toml:4:", "not TOML"}},
+    {"KeyTwice",
+     {{"speed = 0.5", "speed = 1\nspeed = 1"}},
+     {"s.toml:4:", "not TOML", "'speed', which stands in line 3 already: keep one of the two"}},
+    {"SectionTwice",
+     {{"[contact]", "[scene]\n[contact]"}},
+     {"not TOML", "'scene', which stands in line 1 already"}},
     // unknown
     {"KeyNear",
      {{"rsm =", "rms ="}, {"seed = 2", "seed = 2, rsm = 1e-3"}},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextvars
 import dataclasses
 import html
+import itertools
 import json
 import math
 import os
@@ -707,6 +708,36 @@ def _one_run(name: str, side: Any) -> list[str]:
     return notes
 
 
+def _touched(result: Result) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Ends of the part of the resonator that a run touches, along and across it [m]."""
+    content = result.scene.content()
+    scene, slider = content["scene"], content["slider"]
+    start, side = float(scene["start"]), float(scene.get("side", 0.0))
+    sliding = float(scene["speed"]) * float(scene["duration"])
+    return ((start, start + float(slider["length"]) + sliding),
+            (side, side + float(slider["width"])))
+
+
+def _overlap(one: Result, other: Result) -> bool:
+    few = 1e-9  # m: roundings
+    return all(max(a[0], b[0]) + few < min(a[1], b[1])
+               for a, b in zip(_touched(one), _touched(other)))
+
+
+def _one_stretch(name: str, side: Any) -> list[str]:
+    """Of different runs of a list that touch a part of the same faces."""
+    runs = list({_key(one): one for one in _results(side)}.values())
+    if len(runs) < 2:
+        return []
+    by_faces: dict[str, list[Result]] = {}
+    for run in runs:
+        by_faces.setdefault(_faces(run), []).append(run)
+    return [f"{name}: {one.path.name} and {other.path.name} touch a part of the same faces, and "
+            "count as independent: chance looks smaller than it is."
+            for same in by_faces.values() for one, other in
+            [pair for pair in itertools.combinations(same, 2) if _overlap(*pair)][:1]]
+
+
 def _on_both_sides(one: Any, other: Any) -> list[str]:
     """Of what is compared with itself."""
     if isinstance(one, Study) and one.folder.resolve() == other.folder.resolve():
@@ -758,7 +789,7 @@ def compare(a: Source, b: Source) -> Comparison:
     table = _scene_table(_content(one), _content(other))
     names = (_called(one), _called(other))
     notes = [note for name, side in (("A", one), ("B", other))
-             for note in _cut_short(name, side) + _one_run(name, side)]
+             for note in _cut_short(name, side) + _one_run(name, side) + _one_stretch(name, side)]
     if any(isinstance(side, Scene) for side in (one, other)):
         empty = _table({}, "quantity")
         return Comparison(names, table, empty, _table({}, "band"), "",

@@ -363,7 +363,7 @@ def of_scene(what: Scene, complete: Mapping[str, Any], count: int, folder: pathl
                            "{'slider.surface': "
                            "ra2d.surface.gaussian(rq=..., rsm=..., seed=1)}, or take a measured "
                            "one. Or let the slider "
-                           "start elsewhere: ra2d.study(scene, {'start': [0.05, 0.06, 0.07]}) "
-                           "shows the scatter over "
+                           "start elsewhere, further on than its length and what it slides: "
+                           "ra2d.study(scene, {'start': [0.02, 0.06, 0.1]}) shows the scatter over "
                            "parts of one face")
     return what, [list(faces) for faces in zip(*by_body)]

@@ -32,6 +32,7 @@ BODIES: tuple[Body, ...] = ("resonator", "slider")
 Motion = Literal["displacement", "velocity"]
 MOTIONS: tuple[Motion, ...] = ("displacement", "velocity")
 FORMATS = (2, 3, 5)  # of the file, that this package reads
+AT_REST = "the resonator did not vibrate"
 AREAL_FORMAT = 5     # of areal scenes: maps for profiles, numbers of half waves for shapes
 
 _SAMPLED: dict[str, tuple[str, ...]] = {"time": ("time",)}
@@ -105,6 +106,10 @@ def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDAr
     """A table with a row for each probe, also where there is none, or nothing of them; None is
     NaN."""
     return np.array(values, dtype=float).reshape(rows, columns)
+
+
+def _figure(value: float) -> str:
+    return f"{value:.5g}" if math.isfinite(value) else "none"
 
 
 def _places(at: npt.ArrayLike) -> tuple[str, ...]:
@@ -228,8 +233,9 @@ class Result:
         116... dB re 1 nm/s (95 %: 11... to 11...)
         """
         found = self.analysis()
+        note = AT_REST if found["v_rms"] == 0 else found["no_interval"]
         return Estimate.of(found["lv"], found["lv_interval"], "dB re 1 nm/s",
-                           found["no_interval"] or "chance within this run, with these surfaces")
+                           note or "chance within this run, with these surfaces")
 
     @property
     def shock_rate(self) -> Estimate:
@@ -260,6 +266,7 @@ class Result:
           (slider_probe, frequency), as `probes`
         - `density_force` [N^2/Hz]: of the total contact force
 
+        Of a run with `output.modes = "none"` `density` is NaN, and its attribute `note` says why.
         `attrs`: `resolution` [Hz], `segments`, and `low`, `high`: a density times these holds the
         true one with probability 0.95, for stationary noise.
 
@@ -275,7 +282,8 @@ class Result:
         slider_along, slider_places = self._probe_places(found["slider_probes"], "slider")
         return xr.Dataset(
             {"density": ("frequency", np.array(s["psd_mean"], dtype=float),
-                         {**velocity, "long_name": "density of the resonator's velocity"}),
+                         {**velocity, "long_name": "density of the resonator's velocity",
+                          **self._no_modes()}),
              "density_probe": ((along, "frequency"),
                                _rows(s["psd_probe"], len(found["probes"]), lines),
                                {**velocity, "long_name": "density of the velocity at the probes"}),
@@ -308,7 +316,8 @@ class Result:
         b = found["bands"]
         along, places = self._probe_places(found["probes"])
         decibels = {"units": "dB", "long_name": "level re 1 nm/s"}
-        data = {"level": ("frequency", np.array(b["level"], dtype=float), decibels),
+        data = {"level": ("frequency", np.array(b["level"], dtype=float),
+                          {**decibels, **self._no_modes()}),
                 "spread": ("frequency", np.array(b["spread"], dtype=float),
                            {"units": "dB", "long_name": "standard deviation by the finite length"}),
                 "above_last_mode": ("frequency", b["above_last_mode"]),
@@ -323,6 +332,13 @@ class Result:
                            {"units": "Hz", "long_name": "midband frequency"}),
              "nominal": ("frequency", b["nominal"]), **places},
             {"last_mode": b["last_mode"]})
+
+    def _no_modes(self) -> dict[str, str]:
+        """Attributes of what is made of the modes' motion: why it is NaN; nothing where it is
+        not."""
+        if self._scene.get("output", {}).get("modes") != "none":
+            return {}
+        return {"note": 'not known: the file has no motion of the modes (output.modes = "none")'}
 
     def _probe_places(self, places: list[Any], body: str = "") -> tuple[str, dict[str, Any]]:
         """The dimension of an analysis' probes, and their coordinates."""
@@ -610,8 +626,10 @@ class Result:
         return page.of_results([self], pathlib.Path(path or self.path.with_suffix(".html")))
 
     def _headline(self) -> str:
-        lv = self.summary.get("lv")
-        return "no level" if lv is None else f"{float(lv):.1f} dB re 1 nm/s"
+        lv = float(self.summary.get("lv", math.nan))
+        if math.isinf(lv):
+            return f"no level: {AT_REST}"
+        return "no level" if math.isnan(lv) else f"{lv:.1f} dB re 1 nm/s"
 
     @property
     def samples(self) -> int:
@@ -659,15 +677,22 @@ class Result:
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f", cut short: {self.attrs.get('ended')}"
-        return (f"<ra2d.Result {self.path.name}: {self.duration:g} s of {self.title!r}, "
-                f"{self._headline()}{cut}>")
+        try:
+            said = f"{self.duration:g} s of {self.title!r}, {self._headline()}{cut}"
+        except FileError:  # a debugger and a notebook show what there was
+            said = f"of {self.title!r}, its file is gone, was replaced or is damaged{cut}"
+        return f"<ra2d.Result {self.path.name}: {said}>"
 
     def _repr_html_(self) -> str:
         left = "<td style='text-align:left'>"
+        try:
+            summary = dict(self.summary.items())
+        except FileError:
+            summary = {}
         figures = "".join(f"<tr>{left}{html.escape(of.attrs.get('long_name', str(name)))}</td>"
-                          f"<td>{float(of):.5g}</td>"
+                          f"<td>{_figure(float(of))}</td>"
                           f"{left}{html.escape(of.attrs.get('units', ''))}</td></tr>"
-                          for name, of in self.summary.items())
+                          for name, of in summary.items())
         return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{figures}</table>"
 
 

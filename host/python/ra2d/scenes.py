@@ -14,7 +14,7 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from . import files, program, toml
-from .errors import RequestError, kept_notices
+from .errors import RequestError, kept_notices, notice
 
 _BODY = ("support length thickness width young density poisson damping max_frequency modes "
          "surface").split()
@@ -89,8 +89,9 @@ def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> di
     """Both kinds of changes with whole keys. A tolerance alone asks for the scheme that takes
     it."""
     given = {full_key(name): value for name, value in {**(changes or {}), **short}.items()}
-    if "time.tolerance" in given:
-        given.setdefault("time.scheme", "adaptive")
+    if "time.tolerance" in given and given.setdefault("time.scheme", "adaptive") != "adaptive":
+        notice(f"tolerance = {given['time.tolerance']!r} has no effect: it is of the scheme "
+               f"'adaptive', and scheme = {given['time.scheme']!r} was given, too", stacklevel=3)
     return given
 
 

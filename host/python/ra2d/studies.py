@@ -2,13 +2,14 @@
 """Studies: every combination of what is varied, in one table (docs/studies.md)."""
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import html
 import math
 import os
 import pathlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -301,6 +302,21 @@ def _write(path: pathlib.Path, text: str) -> None:
     files.write(path, text)
 
 
+@contextlib.contextmanager
+def _as_it_was_if_refused(*paths: pathlib.Path) -> Iterator[None]:
+    """Puts these files back as they were where the study is refused: nothing was run."""
+    before = {path: files.read(path) if path.exists() else None for path in paths}
+    try:
+        yield
+    except RequestError:
+        for path, text in before.items():
+            if text is None:
+                path.unlink(missing_ok=True)
+            elif files.read(path) != text:
+                files.write(path, text)
+        raise
+
+
 def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
           vary: Mapping[str | tuple[str, ...], Iterable[Any]], seeds: int | Sequence[int] = 1, *,
           folder: str | os.PathLike[str] | None = None, keep_files: bool = False,
@@ -335,15 +351,16 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
         what = what.change(scheme="adaptive")
     what = what.without(varied)
     place = pathlib.Path(folder or "-".join([what.title, *(dimensions or ["seeds"])])).resolve()
-    base = what.file(place.parent).resolve()
     file = place.with_name(place.name + ".toml")
-    _write(file, _study_text(base, what, dimensions, seeds,
-                             ["sound"] * bool(keep_sound) + ["files"] * bool(keep_files)))
-    options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed),
-                               "--max-wall": max_wall})
-    try:
-        with progress.shown(show) as shown:
-            program.follow(["study", file, "-o", place, *options], shown)
-    except SimulationError as failed:
-        notice(str(failed), stacklevel=2)
+    with _as_it_was_if_refused(file, place.parent / f"{what.title}.toml"):
+        base = what.file(place.parent).resolve()
+        _write(file, _study_text(base, what, dimensions, seeds,
+                                 ["sound"] * bool(keep_sound) + ["files"] * bool(keep_files)))
+        options = program.options({"--threads": threads, "--retry-failed": bool(retry_failed),
+                                   "--max-wall": max_wall})
+        try:
+            with progress.shown(show) as shown:
+                program.follow(["study", file, "-o", place, *options], shown)
+        except SimulationError as failed:
+            notice(str(failed), stacklevel=2)
     return Study._of(place)

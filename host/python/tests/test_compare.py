@@ -355,3 +355,18 @@ def test_wrong_sides(result, folder, study, tmp_path):
         file.attrs["scene"] = "[scene]\nname = 'x'\n"
     with pytest.raises(ra2d.Error):
         ra2d.compare(other, result)
+
+
+def test_runs_on_one_stretch_are_told(base, folder):
+    """The slider is 20 mm long and slides 1 mm."""
+    runs = [ra2d.run(base, {"scene.start": start}, duration=0.01,
+                     output=folder / f"start{start}.h5", show=False)
+            for start in (0.05, 0.06, 0.1)]
+    seed = ra2d.run(base, {"slider.surface.seed": 9}, duration=0.01, output=folder / "start9.h5",
+                    show=False)
+    apart = [runs[0], runs[2]]
+    assert ra2d.compare(apart, [runs[0], seed]).notes == [
+        "1 of the runs are on both sides: that they agree says nothing about chance."]
+    notes = ra2d.compare(runs, [runs[2], seed]).notes
+    assert notes[0] == ("A: start0.05.h5 and start0.06.h5 touch a part of the same faces, and "
+                        "count as independent: chance looks smaller than it is.")

@@ -202,3 +202,33 @@ def test_nothing_is_shown_where_nobody_looks(capsys):
     with progress.shown(True) as show:
         show("7.5 %")
     assert capsys.readouterr().err == ""
+
+
+def test_a_result_without_its_file_is_still_shown(base, folder):
+    gone = ra2d.run(base, duration=1e-3, output=folder / "gone.h5", show=False)
+    gone.path.unlink()
+    assert repr(gone) == ("<ra2d.Result gone.h5: of 'roughness noise', its file is gone, was "
+                          "replaced or is damaged>")
+    assert "its file is gone" in gone._repr_html_()
+    with pytest.raises(ra2d.FileError, match="no such file"):
+        print(gone.level)
+
+
+def test_a_run_at_rest_has_no_level(base, folder):
+    flat = {"kind": "flat"}
+    rest = ra2d.run(base, {"slider.surface": flat, "resonator.surface": flat, "scene.gap": 1e-3,
+                           "scene.initial": "rest"}, load=0.0, duration=1e-3,
+                    output=folder / "rest.h5", show=False)
+    assert "no level: the resonator did not vibrate>" in repr(rest)
+    assert repr(rest.level) == "none: the resonator did not vibrate"
+    assert "<td>none</td>" in rest._repr_html_() and "inf" not in rest._repr_html_()
+
+
+def test_what_needs_the_modes_says_that_they_are_missing(base, folder, result):
+    bare = ra2d.run(base, {"output.modes": "none"}, duration=1e-2, output=folder / "bare1.h5",
+                    show=False)
+    for missing, there in ((bare.spectrum().density, bare.spectrum().density_force),
+                      (bare.bands().level, bare.bands().level_probe)):
+        assert missing.isnull().all() and "output.modes" in missing.attrs["note"]
+        assert "note" not in there.attrs
+    assert "note" not in result.spectrum().density.attrs

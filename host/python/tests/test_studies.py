@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Studies: the table, going on, the law."""
 import json
+import math
 import subprocess
 
 import matplotlib.text
@@ -148,3 +149,30 @@ def test_without_sound_there_is_no_law_of_it(study):
     with pytest.raises(ra2d.RequestError, match="keep_sound=True"):
         study.law("lpa")
     assert "lpa" not in study.means()
+
+
+def test_a_refused_study_leaves_no_file_of_its_own(base, folder):
+    place = folder / "refused"
+    short = base.change(duration=1e-3)
+    for what in (short, ra2d.scene(short.content())):
+        before = sorted(folder.iterdir())
+        with pytest.raises(ra2d.RequestError, match="scene.speed"):
+            ra2d.study(what, {"speed": [0.1, -1.0]}, folder=place, show=False)
+        assert sorted(folder.iterdir()) == before
+    ra2d.study(short, {"speed": [0.1]}, folder=place, show=False)
+    text = (folder / "refused.toml").read_text()
+    with pytest.raises(ra2d.RequestError, match="scene.speed"):
+        ra2d.study(short, {"speed": [0.1, -1.0]}, folder=place, show=False)
+    assert (folder / "refused.toml").read_text() == text
+
+
+def test_starts_on_one_stretch_have_no_interval(base, folder):
+    """The slider is 20 mm long and slides up to 4 mm."""
+    short = base.change(duration=0.01, rate=1e4)
+    for starts, is_told in (([0.1, 0.11, 0.2], True), ([0.05, 0.1, 0.2], False)):
+        law = ra2d.study(short, {"start": starts, "speed": [0.1, 0.2, 0.4]},
+                         folder=folder / f"starts-{is_told}", show=False).law()
+        assert math.isnan(law.exponents["speed"].low) is is_told
+        assert ("values of start lie so close that runs touch a part of the same faces: each takes "
+                "up to 0.024 m along x"
+                in law.about["intervals"]) is is_told
