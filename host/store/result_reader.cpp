@@ -99,6 +99,7 @@ bool require_shapes(hid_t file, std::int64_t format, double room) {
       h5::require_undamaged();
       throw Fault{fmt::format("/{} is missing", path)};
     }
+    if (h5::is_elsewhere(dataset)) throw Fault{fmt::format("/{} is kept in other files", path)};
     const std::vector<hsize_t> extent = extent_of(dataset, path);
     const h5::Type type{check(H5Dget_type(dataset))};
     if (H5Tget_class(type) !=

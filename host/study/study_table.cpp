@@ -283,7 +283,9 @@ struct TableFault {
 h5::Dataset open_dataset(hid_t file, const std::string& name) {
   if (check(H5Lexists(file, name.c_str(), H5P_DEFAULT)) <= 0)
     throw TableFault{fmt::format("there is no /{} in it", name)};
-  return h5::Dataset{check(H5Dopen2(file, name.c_str(), H5P_DEFAULT))};
+  h5::Dataset dataset{check(H5Dopen2(file, name.c_str(), H5P_DEFAULT))};
+  if (h5::is_elsewhere(dataset)) throw TableFault{fmt::format("/{} is kept in other files", name)};
+  return dataset;
 }
 
 std::vector<hsize_t> extent_of(const h5::Dataset& dataset) {

@@ -284,11 +284,12 @@ def _changed_profiles(a: Result, b: Result) -> list[str]:
 
 
 def _path(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
-    """Where on the resonator the stretch begins and ends, and how long the slider is [m]."""
+    """Where on the resonator the stretch begins and ends, and how long the slider is [m]; NaN of a
+    scene that does not say it."""
     content = result.scene.content()
-    start, speed = float(content["scene"]["start"]), float(content["scene"]["speed"])
-    return start + speed * found["from"], start + speed * found["to"], float(
-        content["slider"]["length"])
+    start, speed, length = (float(content.get(section, {}).get(key, math.nan)) for section, key in
+                            (("scene", "start"), ("scene", "speed"), ("slider", "length")))
+    return start + speed * found["from"], start + speed * found["to"], length
 
 
 # ---- chance within a run

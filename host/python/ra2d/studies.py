@@ -243,7 +243,7 @@ def _table(path: pathlib.Path) -> xr.Dataset:
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
     variables |= {name: dims for name in _VARIABLES if name not in dims}
-    found = file.read("/", variables).load().assign_attrs(attrs)
+    found = file.read("/", variables, gaps=True).load().assign_attrs(attrs)
     if not {"status", "message"} <= set(found):
         raise damaged
     return found
