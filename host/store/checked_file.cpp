@@ -16,6 +16,7 @@
 #include "host/base/text.hpp"
 #include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/plausible.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/table.hpp"
@@ -95,7 +96,7 @@ class ReadNumbers {
     for (std::size_t at = 0; at + sizeof(Number) <= block.size(); at += sizeof(Number)) {
       Number number;
       std::memcpy(&number, block.data() + at, sizeof number);
-      if (!std::isfinite(number)) return false;
+      if (!is_of_a_run(number)) return false;
     }
     return true;
   }
@@ -230,7 +231,8 @@ CheckedFile read_as_result(const std::filesystem::path& path) {
   if (found.datasets == 0 && !found.faults.empty()) return found;
   for (const std::string& name : found.not_finite)
     if (!name.ends_with("/lv"))  // -inf at rest
-      found.faults.push_back(fmt::format("/{} has values that are no numbers", name));
+      found.faults.push_back(
+          fmt::format("/{} has values that are no numbers, or too large for any run", name));
   try {
     const ResultReader reader(path, Bytes::hostile);
     check_nodes(reader, found.faults);

@@ -640,7 +640,7 @@ def _content_of_study(study: Study) -> dict[str, Any]:
                  (change.partition("=") for change in changes)]
     except FileNotFoundError:
         pairs = []
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as fault:
         why = fault.strerror if isinstance(fault, OSError) else "it is not what 'ra2d study' wrote"
         raise FileError(f"'{snapshot}' cannot be read ({why}): move it away and run the study's "
                         "line again, which writes it anew") from fault

@@ -22,6 +22,8 @@ _copied_when_set: Any = indexing.CopyOnWriteArray  # the file stays as it is
 _variable: Any = xr.Variable
 
 
+LARGEST = 1e100  # in any unit: no run comes to it, and squares of larger numbers may overflow
+
 # what h5py and xarray raise on a damaged file
 _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 
@@ -30,7 +32,7 @@ class _Dataset(BackendArray):
     """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are
     read."""
 
-    def __init__(self, file: File, name: str, dataset: Any, gaps: bool) -> None:
+    def __init__(self, file: File, name: str, dataset: Any, gaps: bool = False) -> None:
         self.file, self.name, self.gaps = file, name, gaps
         self.shape, self.dtype = dataset.shape, np.dtype(dataset.dtype)
 
@@ -43,8 +45,9 @@ class _Dataset(BackendArray):
         with self.file.opened() as file:
             stored = file[self.name]
             values = (stored.asstr() if h5py.check_string_dtype(stored.dtype) else stored)[key]
-            if stored.dtype.kind == "f" and not self.gaps and not np.isfinite(values).all():
-                raise ValueError(f"{self.name} has values that are no numbers")
+            if stored.dtype.kind == "f" and not self.gaps and not (np.abs(values) < LARGEST).all():
+                raise ValueError(f"{self.name} has values that are no numbers, or too large for "
+                                 "any run")
             return values
 
 
@@ -114,7 +117,7 @@ class File:
         """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left
         out. Datasets with the name of a dimension are its coordinates. Raises FileError where one
         of `numbers` is missing, or has no numbers, where coordinates of the names `rising` do not
-        rise, and, unless there are `gaps`, where a value is read that is not finite."""
+        rise, and, unless there are `gaps`, where a value is read that no run comes to."""
         variables = {}
         with self.opened() as file:
             for name in numbers:

@@ -127,6 +127,12 @@ def test_keys_beyond_emoji_are_toml():
     assert toml.parse(toml.document({"a": {"\U0001f600 x": 1}})) == {"a": {"\U0001f600 x": 1}}
 
 
+@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a = " + "9" * 10_000])
+def test_toml_without_end(text):
+    with pytest.raises(ra2d.RequestError, match="the scene is no TOML: "):
+        toml.parse(text)
+
+
 def test_scenes_that_cannot_be_read(tmp_path, base):
     bad = tmp_path / "bad.toml"
     bad.write_text("[scene\n")
@@ -255,6 +261,7 @@ def elsewhere(name):
     (time_with(0.0), lambda result: result.contact),
     (filled("resonator/shape", math.nan), lambda result: result.field(0.001)),
     (filled("energy/kinetic", math.inf), lambda result: result.energy.load()),
+    (filled("resonator/velocity", 1e300), lambda result: result.field(0.001, what="velocity")),
     (filled("surface/slider/height", math.nan), lambda result: result.profile("slider").load()),
     (filled("surface/resonator/position", 0.0), lambda result: result.profile()),
     (filled("resonator/position", 1.0), lambda result: result.modes()),
