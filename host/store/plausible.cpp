@@ -103,7 +103,11 @@ std::string fault_of_summary(const ResultSummary& s, const std::optional<Scene>&
   for (const auto& [name, value] : {std::pair{"shock_rate", s.shock_rate},
                                     {"shock_duration_median", s.shock_duration_median},
                                     {"shock_duration_90", s.shock_duration_90},
+                                    {"peak_force_median", s.peak_force_median},
+                                    {"peak_force_90", s.peak_force_90},
                                     {"contact_share", s.contact_share},
+                                    {"nodes_evaluated", s.nodes_evaluated},
+                                    {"step_seconds", s.step_seconds},
                                     {"wall_seconds", s.wall_seconds},
                                     {"steps", static_cast<double>(s.steps)}})
     if (!(std::isnan(value) || (value >= 0 && (!s.complete || std::isfinite(value)))))

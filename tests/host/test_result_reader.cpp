@@ -624,6 +624,7 @@ TEST_F(Reader, TakesNoNumberThatNoRunComesTo) {
   EXPECT_THAT(with("summary/v_rms", 2e-3), HasSubstr("another value than the file has elsewhere"));
   EXPECT_THAT(with("summary/contact_share", 1.1), HasSubstr("expected at most 1"));
   EXPECT_THAT(with("summary/shock_duration_90", -1), HasSubstr("which no run comes to"));
+  EXPECT_THAT(with("summary/peak_force_90", -HUGE_VAL), HasSubstr("which no run comes to"));
   shock_rate_ = 200;
   EXPECT_THAT(with("summary/shock_rate", 99), HasSubstr("less than one shock in the run"));
   EXPECT_THAT(with("summary/shock_rate", 100), "no FileError");
