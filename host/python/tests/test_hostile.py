@@ -133,7 +133,8 @@ def test_keys_beyond_emoji_are_toml():
     assert toml.parse(toml.document({"a": {"\U0001f600 x": 1}})) == {"a": {"\U0001f600 x": 1}}
 
 
-@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a = " + "9" * 10_000])
+@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a = " + "9" * 10_000],
+                         ids=["nest", "integer"])
 def test_toml_without_end(text):
     with pytest.raises(ra2d.RequestError, match="the scene is no TOML: "):
         toml.parse(text)
