@@ -309,7 +309,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate, ringing);
   if (!a.has_modes) take_intervals(contents.summary, ringing, a);
   a.energy = powers_of(reader, stretch, a.rate);
-  a.energy_per_shock = a.shocks.count > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
+  a.energy_per_shock = a.shocks.rate > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);
   const SoundRequest sound = scene ? options.sound.completed(*scene) : options.sound;

@@ -91,6 +91,9 @@ void print_energy(const EnergyBalance& energy) {
   print_line("energy",
              energy.samples < 2
                  ? std::string("not known: fewer than two samples were counted (output.rate)")
+             : energy.is_of_roundings()
+                 ? fmt::format("nothing to compare: {:.1e} J went through, which are roundings",
+                               energy.turnover)
              : energy.turnover > 0
                  ? fmt::format("balance off by {:.1e} of its largest term ({:.2e} of {:.2e} J)",
                                energy.closure(), energy.residual, energy.turnover)

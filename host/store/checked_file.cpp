@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -13,7 +14,9 @@
 #include "host/base/errors.hpp"
 #include "host/base/hash.hpp"
 #include "host/base/text.hpp"
+#include "host/store/entries.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/plausible.hpp"
 #include "host/store/result_reader.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/table.hpp"
@@ -93,7 +96,7 @@ class ReadNumbers {
     for (std::size_t at = 0; at + sizeof(Number) <= block.size(); at += sizeof(Number)) {
       Number number;
       std::memcpy(&number, block.data() + at, sizeof number);
-      if (!std::isfinite(number)) return false;
+      if (!is_of_a_run(number)) return false;
     }
     return true;
   }
@@ -112,6 +115,7 @@ ReadNumbers read_numbers(hid_t dataset, double& room) {
   if (rank > 0) check(H5Sget_simple_extent_dims(space, extent.data(), nullptr));
   double numbers = 1;
   for (const hsize_t length : extent) numbers *= static_cast<double>(length);
+  if (h5::is_elsewhere(dataset)) throw h5::Failure{"it is kept in other files"};
   if (!h5::takes_room(dataset, numbers, room))
     throw h5::Failure{"it should hold more numbers than the file has room for"};
   std::string block;
@@ -208,15 +212,31 @@ void check_nodes(const ResultReader& reader, std::vector<std::string>& faults) {
   }
 }
 
+/// Places along the bodies and numbers of modes rise. Times, shocks and probes are not asked: the
+/// reader has looked at them, and a scene names its probes in any order.
+void check_scales(const ResultReader& reader, std::vector<std::string>& faults) {
+  for (const Entry& entry : entries()) {
+    const std::string_view path = entry.path;
+    if (path != entry.rows || !entry.is_of(reader.contents().is_areal) ||
+        source_of<Fixed>(entry) == nullptr || path.find("probes/") != path.npos)
+      continue;
+    const std::vector<double> places = reader.column(entry.path, 0, reader.rows(entry.path));
+    if (std::adjacent_find(places.begin(), places.end(), std::greater_equal<>{}) != places.end())
+      faults.push_back(fmt::format("/{} does not rise: it is damaged", path));
+  }
+}
+
 CheckedFile read_as_result(const std::filesystem::path& path) {
   CheckedFile found = read_objects(path);
   if (found.datasets == 0 && !found.faults.empty()) return found;
   for (const std::string& name : found.not_finite)
     if (!name.ends_with("/lv"))  // -inf at rest
-      found.faults.push_back(fmt::format("/{} has values that are no numbers", name));
+      found.faults.push_back(
+          fmt::format("/{} has values that are no numbers, or too large for any run", name));
   try {
     const ResultReader reader(path, Bytes::hostile);
     check_nodes(reader, found.faults);
+    check_scales(reader, found.faults);
     const ResultSummary& summary = reader.contents().summary;
     found.what = summary.complete ? "a complete result"
                                   : fmt::format("a result that was cut short: {}",

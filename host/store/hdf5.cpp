@@ -46,6 +46,8 @@ std::unique_lock<std::mutex> take_library() {
   // Before all other calls: a file that a failed flush has spoilt must not crash the program's
   // exit.
   [[maybe_unused]] static const herr_t once = H5dont_atexit();
+  // no seal covers what a link to another file leads to, and a pipe would never end
+  [[maybe_unused]] static const herr_t no_links = H5Lunregister(H5L_TYPE_EXTERNAL);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its stack goes into our own messages
   return lock;
 }
@@ -58,6 +60,11 @@ Properties file_access() {
   check(H5Pset_file_locking(access, false, true));
 #endif
   return access;
+}
+
+bool is_elsewhere(hid_t dataset) {
+  const Properties creation{check(H5Dget_create_plist(dataset))};
+  return check(H5Pget_external_count(creation)) > 0 || H5Pget_layout(creation) == H5D_VIRTUAL;
 }
 
 bool takes_room(hid_t dataset, double numbers, double& room) {

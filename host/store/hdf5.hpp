@@ -82,6 +82,9 @@ std::unique_lock<std::mutex> take_library();
 /// How files are opened, to be written and to be read back.
 Properties file_access();
 
+/// Whether the numbers of a dataset stand in other files, of which no seal says anything.
+bool is_elsewhere(hid_t dataset);
+
 /// Whether `room` bytes of a file can hold so many numbers of a dataset. Takes theirs from it.
 /// Throws Failure.
 bool takes_room(hid_t dataset, double numbers, double& room);

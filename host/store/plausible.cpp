@@ -32,7 +32,7 @@ bool within(double value, double low, double high) { return value >= low && valu
 
 bool are_finite_and_not_negative(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(),
-                     [](double value) { return value >= 0 && std::isfinite(value); });
+                     [](double value) { return value >= 0 && is_of_a_run(value); });
 }
 
 /// The first fault of modes and probes.
@@ -59,11 +59,15 @@ std::string fault_of_bodies(const ResultContents& c, const std::optional<Scene>&
   return {};
 }
 
+/// Steps may end one beyond the duration, and a shock lasts to the end of its last step.
+double latest_time(const std::optional<Scene>& scene) {
+  return scene ? (1 + slack) * scene->duration + 2 * scene->time.step
+               : std::numeric_limits<double>::max();
+}
+
 /// The first fault of the samples' times and of the shocks.
 std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& scene) {
-  // steps may end one beyond the duration, and a shock lasts to the end of its last step
-  const double end = scene ? (1 + slack) * scene->duration + 2 * scene->time.step
-                           : std::numeric_limits<double>::max();
+  const double end = latest_time(scene);
   const double length = scene ? scene->resonator.length : std::numeric_limits<double>::max();
   const double width = scene ? scene->resonator.width : std::numeric_limits<double>::max();
   const double aside = scene ? scene->spacing : 0;
@@ -87,7 +91,7 @@ std::string fault_of_times(const ResultContents& c, const std::optional<Scene>& 
 }
 
 /// The first fault of the figures. Missing ones are NaN. A run that failed may have infinite ones.
-std::string fault_of_summary(const ResultSummary& s) {
+std::string fault_of_summary(const ResultSummary& s, const std::optional<Scene>& scene) {
   if (!(std::isnan(s.v_rms) || s.v_rms >= 0))
     return fmt::format("its velocity is {} m/s: expected no negative number", s.v_rms);
   if (const double expected = level(s.v_rms);
@@ -99,11 +103,27 @@ std::string fault_of_summary(const ResultSummary& s) {
   for (const auto& [name, value] : {std::pair{"shock_rate", s.shock_rate},
                                     {"shock_duration_median", s.shock_duration_median},
                                     {"shock_duration_90", s.shock_duration_90},
+                                    {"peak_force_median", s.peak_force_median},
+                                    {"peak_force_90", s.peak_force_90},
                                     {"contact_share", s.contact_share},
+                                    {"nodes_evaluated", s.nodes_evaluated},
+                                    {"step_seconds", s.step_seconds},
                                     {"wall_seconds", s.wall_seconds},
                                     {"steps", static_cast<double>(s.steps)}})
     if (!(std::isnan(value) || (value >= 0 && (!s.complete || std::isfinite(value)))))
       return fmt::format("its {} is {}, which no run comes to", name, value);
+  for (const auto& [name, value] : {std::pair{"lv_low", s.lv_low},
+                                    {"lv_high", s.lv_high},
+                                    {"shock_rate_low", s.shock_rate_low},
+                                    {"shock_rate_high", s.shock_rate_high},
+                                    {"energy_residual", s.energy_residual},
+                                    {"energy_turnover", s.energy_turnover},
+                                    {"energy_closure", s.energy_closure}})
+    if (s.complete && std::isinf(value))
+      return fmt::format("its {} is {}, which no run comes to", name, value);
+  if (s.shock_rate > 0 && s.shock_rate * latest_time(scene) < 1)
+    return fmt::format("its shock_rate is {} a second: less than one shock in the run",
+                       s.shock_rate);
   if (s.contact_share > 1 + slack)
     return fmt::format("its contact_share is {}: expected at most 1", s.contact_share);
   return {};
@@ -111,11 +131,13 @@ std::string fault_of_summary(const ResultSummary& s) {
 
 }  // namespace
 
+bool is_of_a_run(double value) { return std::abs(value) < 1e100; }
+
 std::string implausible(const ResultContents& contents) {
   const std::optional<Scene> scene = scene_in(contents);
   for (const std::string& fault :
        {fault_of_bodies(contents, scene), fault_of_times(contents, scene),
-        fault_of_summary(contents.summary)})
+        fault_of_summary(contents.summary, scene)})
     if (!fault.empty()) return fault;
   return {};
 }

@@ -13,4 +13,8 @@ namespace ra2d {
 /// understand the scene, they only have to be finite.
 std::string implausible(const ResultContents& contents);
 
+/// Whether it is a number, and one of a size that a run can come to, in any unit: squares of larger
+/// ones may overflow.
+bool is_of_a_run(double value);
+
 }  // namespace ra2d

@@ -99,6 +99,7 @@ bool require_shapes(hid_t file, std::int64_t format, double room) {
       h5::require_undamaged();
       throw Fault{fmt::format("/{} is missing", path)};
     }
+    if (h5::is_elsewhere(dataset)) throw Fault{fmt::format("/{} is kept in other files", path)};
     const std::vector<hsize_t> extent = extent_of(dataset, path);
     const h5::Type type{check(H5Dget_type(dataset))};
     if (H5Tget_class(type) !=
@@ -122,10 +123,11 @@ bool require_shapes(hid_t file, std::int64_t format, double room) {
   return has_modes;
 }
 
-/// Missing values read as NaN, and a run writes finite numbers alone.
+/// Missing values read as NaN.
 void require_finite(const std::vector<double>& data, const char* path) {
-  if (!std::all_of(data.begin(), data.end(), [](double value) { return std::isfinite(value); }))
-    throw Fault{fmt::format("/{} has values that are no numbers: it is damaged", path)};
+  if (!std::all_of(data.begin(), data.end(), is_of_a_run))
+    throw Fault{fmt::format(
+        "/{} has values that are no numbers, or too large for any run: it is damaged", path)};
 }
 
 /// A whole dataset.

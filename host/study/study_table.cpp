@@ -21,6 +21,7 @@
 #include "host/scene_file/key_facts.hpp"
 #include "host/store/attributes.hpp"
 #include "host/store/hdf5.hpp"
+#include "host/store/plausible.hpp"
 #include "host/store/seal.hpp"
 #include "host/store/sealed_hdf5.hpp"
 #include "host/system/input_file.hpp"
@@ -283,7 +284,9 @@ struct TableFault {
 h5::Dataset open_dataset(hid_t file, const std::string& name) {
   if (check(H5Lexists(file, name.c_str(), H5P_DEFAULT)) <= 0)
     throw TableFault{fmt::format("there is no /{} in it", name)};
-  return h5::Dataset{check(H5Dopen2(file, name.c_str(), H5P_DEFAULT))};
+  h5::Dataset dataset{check(H5Dopen2(file, name.c_str(), H5P_DEFAULT))};
+  if (h5::is_elsewhere(dataset)) throw TableFault{fmt::format("/{} is kept in other files", name)};
+  return dataset;
 }
 
 std::vector<hsize_t> extent_of(const h5::Dataset& dataset) {
@@ -367,12 +370,13 @@ void require_plausible(const StudyAnswers& answers) {
       if (const auto& values = answers.*level.answer; !values.empty() && values[run] > 1000)
         throw TableFault{fmt::format("/{} has {} dB, which is no sound", level.name, values[run])};
     if (!answers.shock_rate.empty() &&
-        (answers.shock_rate[run] < 0 || std::isinf(answers.shock_rate[run])))
+        !(std::isnan(answers.shock_rate[run]) ||
+          (answers.shock_rate[run] >= 0 && is_of_a_run(answers.shock_rate[run]))))
       throw TableFault{fmt::format("/shock_rate has {} shocks a second", answers.shock_rate[run])};
     if (answers.v_rms.empty()) continue;
     const double v_rms = answers.v_rms[run];
     const bool is_done = status == static_cast<double>(RunStatus::done);
-    if (is_done ? !(v_rms >= 0 && std::isfinite(v_rms)) && !std::isnan(v_rms) : !std::isnan(v_rms))
+    if (is_done ? !(v_rms >= 0 && is_of_a_run(v_rms)) && !std::isnan(v_rms) : !std::isnan(v_rms))
       throw TableFault{fmt::format("/v_rms has {} m/s for a run that {}", v_rms,
                                    is_done ? "is done" : "did not end")};
   }

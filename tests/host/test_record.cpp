@@ -171,5 +171,17 @@ TEST(Snapshot, SumsDoNotDependOnWhenSamplesWereTaken) {
   EXPECT_NEAR(often.force_work, seldom.force_work, 1e-9 * std::abs(often.force_work));
 }
 
+TEST(EnergyBalance, OfRoundingsThereIsNothingToCompare) {
+  EnergyBalance balance{.residual = -2e-31, .turnover = 9e-31, .samples = 2};
+  EXPECT_TRUE(balance.is_of_roundings());
+  EXPECT_TRUE(std::isnan(balance.closure()));
+  balance.turnover = 2e-30;
+  EXPECT_FALSE(balance.is_of_roundings());
+  EXPECT_DOUBLE_EQ(balance.relative(), -0.1);
+  balance.turnover = 0;  // nothing is missing of nothing
+  EXPECT_FALSE(balance.is_of_roundings());
+  EXPECT_EQ(balance.closure(), 0.0);
+}
+
 }  // namespace
 }  // namespace ra2d::test

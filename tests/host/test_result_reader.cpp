@@ -2,6 +2,7 @@
 #include "host/store/result_reader.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -78,7 +79,7 @@ class Reader : public testing::Test {
     ResultSummary summary;
     summary.v_rms = 1e-3;
     summary.lv = 120;
-    summary.shock_rate = std::numeric_limits<double>::quiet_NaN();
+    summary.shock_rate = shock_rate_;
     summary.complete = false;
     summary.ended = "interrupted";
     file.close(summary);
@@ -126,6 +127,7 @@ class Reader : public testing::Test {
   std::string scene_ = "[scene]\n";
   Compression compression_ = Compression::none;
   bool is_areal_ = false;
+  double shock_rate_ = std::numeric_limits<double>::quiet_NaN();
   const test::Folder folder_;
   const fs::path path_ = folder_.path() / "out.h5";
 };
@@ -423,6 +425,58 @@ TEST_F(Reader, RefusesMoreNumbersThanTheFileHasRoomFor) {
               HasSubstr("/shocks/shock should hold more numbers than the file has room"));
 }
 
+/// No seal covers those, and where they are a pipe reading never ends.
+TEST_F(Reader, RefusesNumbersInOtherFiles) {
+  const auto replaced = [&](const std::function<void(hid_t)>& put) {
+    write(5);
+    change([&](hid_t file) {
+      EXPECT_GE(H5Ldelete(file, "contact/force", H5P_DEFAULT), 0);
+      put(file);
+    });
+    return refusal() + " " + fmt::format("{}", fmt::join(check_result(path_).faults, "; "));
+  };
+  const auto with = [](void (*store)(hid_t)) {
+    return [store](hid_t file) {
+      const hsize_t five[] = {5};
+      const hid_t space = H5Screate_simple(1, five, nullptr), how = H5Pcreate(H5P_DATASET_CREATE);
+      store(how);
+      const hid_t made = H5Dcreate2(file, "contact/force", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,
+                                    how, H5P_DEFAULT);
+      EXPECT_GE(made, 0);
+      H5Dclose(made);
+      H5Pclose(how);
+      H5Sclose(space);
+    };
+  };
+  const std::string text = "/contact/force is kept in other files";
+  EXPECT_THAT(replaced(with([](hid_t how) { H5Pset_external(how, "/dev/zero", 0, 40); })),
+              HasSubstr(text));
+  EXPECT_THAT(replaced(with([](hid_t how) {
+                const hsize_t five[] = {5};
+                const hid_t space = H5Screate_simple(1, five, nullptr);
+                H5Pset_virtual(how, space, "other.h5", "/time", space);
+                H5Sclose(space);
+              })),
+              HasSubstr(text));
+}
+
+/// Otherwise a program would find other places than it looks up.
+TEST_F(Reader, AsksWhetherPlacesRise) {
+  const auto faults_with = [&](const char* path) {
+    write(5);
+    change([&](hid_t file) {
+      const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+      const double two[] = {1, 1};
+      EXPECT_GE(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, two), 0);
+      H5Dclose(dataset);
+    });
+    return fmt::format("{}", fmt::join(check_result(path_).faults, "; "));
+  };
+  EXPECT_THAT(faults_with("resonator/position"), HasSubstr("/resonator/position does not rise"));
+  EXPECT_THAT(faults_with("resonator/mode"), HasSubstr("/resonator/mode does not rise"));
+  EXPECT_THAT(faults_with("slider/position"), HasSubstr("/slider/position does not rise"));
+}
+
 // ---- the seal, and what a forger's seal does not vouch for
 // ----------------------------------------
 
@@ -555,7 +609,7 @@ TEST_F(Reader, TakesNoNumberThatNoRunComesTo) {
   write(3);
   ASSERT_NO_THROW((void)parse_scene(scene_, "scene"));
   ASSERT_EQ(refusal(), "no FileError");
-  EXPECT_THAT(with("shocks/duration", 1e300), HasSubstr("lasts 1e+300 s, which is beyond the run"));
+  EXPECT_THAT(with("shocks/duration", 1e99), HasSubstr("lasts 1e+99 s, which is beyond the run"));
   EXPECT_THAT(with("shocks/duration", 0.0081), HasSubstr("beyond the run"));
   EXPECT_THAT(with("shocks/duration", 0.0079), "no FileError");
   EXPECT_THAT(with("shocks/start", 0.011), HasSubstr("which is no time of the run"));
@@ -564,9 +618,16 @@ TEST_F(Reader, TakesNoNumberThatNoRunComesTo) {
   EXPECT_THAT(with("probes/position", -0.1), HasSubstr("outside the resonator"));
   EXPECT_THAT(with("resonator/frequency", HUGE_VAL), HasSubstr("no frequency"));
   EXPECT_THAT(with("resonator/mean_square", -1), HasSubstr("no mean of squares"));
+  EXPECT_THAT(with("resonator/frequency", 2e100), HasSubstr("no frequency"));
+  EXPECT_THAT(with("resonator/velocity", -2e100), HasSubstr("too large for any run"));
+  EXPECT_THAT(with("energy/elastic", 2e100), HasSubstr("too large for any run"));
   EXPECT_THAT(with("summary/v_rms", 2e-3), HasSubstr("another value than the file has elsewhere"));
   EXPECT_THAT(with("summary/contact_share", 1.1), HasSubstr("expected at most 1"));
   EXPECT_THAT(with("summary/shock_duration_90", -1), HasSubstr("which no run comes to"));
+  EXPECT_THAT(with("summary/peak_force_90", -HUGE_VAL), HasSubstr("which no run comes to"));
+  shock_rate_ = 200;
+  EXPECT_THAT(with("summary/shock_rate", 99), HasSubstr("less than one shock in the run"));
+  EXPECT_THAT(with("summary/shock_rate", 100), "no FileError");
   is_areal_ = true;
   EXPECT_THAT(with("shocks/y", 0.05), "no FileError");
   EXPECT_THAT(with("shocks/y", 0.11), HasSubstr("at y = 0.11 m, outside the resonator"));

@@ -4,6 +4,7 @@ of the command line (host/commands), writes into the files that it names, and re
 printed."""
 from __future__ import annotations
 
+import errno
 import io
 import json
 import os
@@ -130,7 +131,9 @@ def _write(path: pathlib.Path, data: bytes) -> None:
             while rest:
                 rest = rest[file.write(rest):]
     except OSError as fault:
-        raise FileError(f"cannot write: {fault.strerror}") from fault
+        cure = ". Free some space, or write to another disk" if fault.errno in (
+            errno.ENOSPC, errno.EDQUOT) else ""
+        raise FileError(f"cannot write: {fault.strerror}{cure}") from fault
 
 
 def _say(message: object) -> None:
@@ -174,6 +177,7 @@ def main(requests: TextIO) -> int:
             return 4
         at = traceback.extract_tb(fault.__traceback__)[-1]
         _say(f"{made} was not made: {type(fault).__name__}: {fault} "
-             f"({pathlib.Path(at.filename).name}, line {at.lineno})")
+             f"({pathlib.Path(at.filename).name}, line {at.lineno}). Ask 'ra2d check' whether a "
+             "file is damaged; if none is, this is a fault of ra2d: please report it")
         return 4
     return 0

@@ -285,11 +285,12 @@ def _changed_profiles(a: Result, b: Result) -> list[str]:
 
 
 def _path(result: Result, found: Mapping[str, Any]) -> tuple[float, ...]:
-    """Where on the resonator the stretch begins and ends, and how long the slider is [m]."""
+    """Where on the resonator the stretch begins and ends, and how long the slider is [m]; NaN of a
+    scene that does not say it."""
     content = result.scene.content()
-    start, speed = float(content["scene"]["start"]), float(content["scene"]["speed"])
-    return start + speed * found["from"], start + speed * found["to"], float(
-        content["slider"]["length"])
+    start, speed, length = (float(content.get(section, {}).get(key, math.nan)) for section, key in
+                            (("scene", "start"), ("scene", "speed"), ("slider", "length")))
+    return start + speed * found["from"], start + speed * found["to"], length
 
 
 # ---- chance within a run
@@ -640,7 +641,7 @@ def _content_of_study(study: Study) -> dict[str, Any]:
                  (change.partition("=") for change in changes)]
     except FileNotFoundError:
         pairs = []
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as fault:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as fault:
         why = fault.strerror if isinstance(fault, OSError) else "it is not what 'ra2d study' wrote"
         raise FileError(f"'{snapshot}' cannot be read ({why}): move it away and run the study's "
                         "line again, which writes it anew") from fault

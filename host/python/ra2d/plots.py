@@ -61,7 +61,8 @@ def track(result: Result) -> tuple[float, float]:
     end = start + float(result.scene["slider.length"]) + speed * result.duration
     start += speed * stretch.first_time(result)
     more = 0.04 * (end - start)
-    return max(0.0, start - more), min(length, end + more)
+    low, high = max(0.0, start - more), min(length, end + more)
+    return (low, high) if low < high else (0.0, length)  # of a scene that is no such one
 
 
 def _draw_faces(axes: Any, result: Result) -> None:

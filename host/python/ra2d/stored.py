@@ -22,6 +22,8 @@ _copied_when_set: Any = indexing.CopyOnWriteArray  # the file stays as it is
 _variable: Any = xr.Variable
 
 
+LARGEST = 1e100  # in any unit: no run comes to it, and squares of larger numbers may overflow
+
 # what h5py and xarray raise on a damaged file
 _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 
@@ -30,8 +32,8 @@ class _Dataset(BackendArray):
     """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are
     read."""
 
-    def __init__(self, file: File, name: str, dataset: Any) -> None:
-        self.file, self.name = file, name
+    def __init__(self, file: File, name: str, dataset: Any, gaps: bool = False) -> None:
+        self.file, self.name, self.gaps = file, name, gaps
         self.shape, self.dtype = dataset.shape, np.dtype(dataset.dtype)
 
     def __getitem__(self, key: Any) -> Any:
@@ -42,7 +44,11 @@ class _Dataset(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         with self.file.opened() as file:
             stored = file[self.name]
-            return (stored.asstr() if h5py.check_string_dtype(stored.dtype) else stored)[key]
+            values = (stored.asstr() if h5py.check_string_dtype(stored.dtype) else stored)[key]
+            if stored.dtype.kind == "f" and not self.gaps and not (np.abs(values) < LARGEST).all():
+                raise ValueError(f"{self.name} has values that are no numbers, or too large for "
+                                 "any run")
+            return values
 
 
 def _units(dataset: Any) -> dict[str, str]:
@@ -106,10 +112,12 @@ class File:
             raise why
 
     def read(self, group: str, dims: Mapping[str, tuple[str, ...]],
-             numbers: Iterable[str] = ()) -> xr.Dataset:
+             numbers: Iterable[str] = (), rising: Iterable[str] = (),
+             gaps: bool = False) -> xr.Dataset:
         """A group as a Dataset. `dims`: the dimensions of each dataset, by name; others are left
         out. Datasets with the name of a dimension are its coordinates. Raises FileError where one
-        of `numbers` is missing, or has no numbers."""
+        of `numbers` is missing, or has no numbers, where coordinates of the names `rising` do not
+        rise, and, unless there are `gaps`, where a value is read that no run comes to."""
         variables = {}
         with self.opened() as file:
             for name in numbers:
@@ -118,9 +126,15 @@ class File:
             for name, of in dims.items():
                 if name in file[group]:
                     stored = file[group][name]
-                    values = _copied_when_set(_lazy(_Dataset(self, f"{group}/{name}", stored)))
+                    if stored.external or stored.is_virtual:  # which no seal covers
+                        raise ValueError(f"{group}/{name} is kept in other files")
+                    values = _copied_when_set(_lazy(_Dataset(self, f"{group}/{name}", stored,
+                                                             gaps)))
                     variables[name] = _variable(of, values, _units(stored))
             coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
+            for name in coordinates.keys() & set(rising):
+                if not (np.diff(coordinates[name].values) > 0).all():
+                    raise ValueError(f"{group}/{name} does not rise")
             return xr.Dataset({name: of for name, of in variables.items()
                                if name not in coordinates}, coordinates)
 

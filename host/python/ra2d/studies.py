@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 _MARK = "# Written by ra2d.study, which replaces it.\n"
 FORMAT = 1  # of a table, that this package reads
 _SOUNDS = ("lp", "lpa", "lw", "lwa")
-_VARIABLES = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median",
-              *_SOUNDS, "contact_share",
-              "energy_closure", "wall_seconds", "status", "message", "file")
+_NUMBERS = ("level", "v_rms", "shock_rate", "shock_duration_median", "peak_force_median", *_SOUNDS,
+            "contact_share", "energy_closure", "wall_seconds", "status")
+_VARIABLES = (*_NUMBERS, "message", "file")
 _ENDS = ("", "_low", "_high")  # of a mean: itself and its interval
 _INTERVALS = {"level": ("lv", "dB re 1 nm/s"), "v_rms": ("v_rms", "m/s"),
               "shock_rate": ("shock_rate", "1/s")}
@@ -244,8 +244,9 @@ def _table(path: pathlib.Path) -> xr.Dataset:
     dims = tuple(str(attrs["dimensions"]).split())
     variables: dict[str, tuple[str, ...]] = {name: (name,) for name in dims}
     variables |= {name: dims for name in _VARIABLES if name not in dims}
-    found = file.read("/", variables).load().assign_attrs(attrs)
-    if not {"status", "message"} <= set(found):
+    found = file.read("/", variables, gaps=True).load().assign_attrs(attrs)
+    if not {"status", "message"} <= set(found) or any(
+            found[name].dtype.kind not in "fiu" for name in _NUMBERS if name in found.data_vars):
         raise damaged
     return found
 

@@ -86,5 +86,5 @@ def parse(text: str, name: str = "the scene") -> dict[str, Any]:
     """
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as fault:
+    except (ValueError, RecursionError) as fault:  # also an integer or a nest without end
         raise RequestError(f"{name} is no TOML: {fault}") from fault

@@ -204,6 +204,23 @@ def test_what_the_system_refuses_is_told_without_words_of_python(capsys, monkeyp
                                        "'there/results.h5': Permission denied\n")
 
 
+def test_a_full_disk_and_a_fault_of_ours_say_a_cure(monkeypatch, capsys):
+    def full(request):
+        commands._write(pathlib.Path("/dev/full"), b"x")
+
+    def wrong(request):
+        return [][0]
+
+    for answer, words in ((full, "No space left on device. Free some space"),
+                          (wrong, "IndexError: list index out of range (test_commands.py")):
+        monkeypatch.setitem(commands.COMMANDS, "compare", answer)
+        with warnings.catch_warnings():
+            assert commands.main(io.StringIO('{"command": "compare"}')) == 4
+        said = capsys.readouterr().err
+        assert words in said
+    assert "if none is, this is a fault of ra2d: please report it" in said
+
+
 def test_without_python(place):
     said = ra2d(place, "plot", "out.h5", "--what", "level", environment={"PATH": str(place)})
     # Debian's own is found all the same

@@ -153,9 +153,10 @@ def test_studies_of_other_settings_differ(base, folder):
     assert found.index.tolist() == ["scene.duration"]
     assert found.loc["scene.duration"].tolist() == ["5 ms", 0.01, "s"]
     short, long = (ra2d.load_study(folder / name) for name in ("short", "long"))
-    (folder / "short/study.json").write_text('{"set": 3}', encoding="utf-8")
-    with pytest.raises(ra2d.FileError, match="study.json.*run the study's line again"):
-        ra2d.compare(short, long)
+    for damaged in ('{"set": 3}', "[" * 100_000):
+        (folder / "short/study.json").write_text(damaged, encoding="utf-8")
+        with pytest.raises(ra2d.FileError, match="study.json.*run the study's line again"):
+            ra2d.compare(short, long)
     (folder / "short/study.json").unlink()  # a table by itself
     assert ra2d.compare(short, long).scene.loc["scene.duration", "b"] == 0.01
 

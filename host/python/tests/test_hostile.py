@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 import h5py
 import numpy as np
 import pytest
+import seal  # tests/host (conftest.py)
 
 import ra2d
 from ra2d import charts, errors, files, program, toml
@@ -52,10 +53,16 @@ def test_the_program_s_cure_is_told_in_python():
     assert ra2d.scene("dang2012").change(speed=0.2, tolerance=1e-6, duration=0.9).plan()
 
 
+def as_texts_of_table(file):
+    shape = file.pop("peak_force_median").shape
+    file["peak_force_median"] = np.full(shape, "a", dtype=object)
+
+
 @pytest.mark.parametrize("damage", [lambda file: file.pop("message"),
                                     lambda file: file.pop("status"),
                                     lambda file: file.attrs.pop("runs"),
                                     lambda file: file.attrs.pop("study"),
+                                    as_texts_of_table,
                                     lambda file: file.attrs.update(failed="none")])
 def test_a_table_that_lacks_something(study, tmp_path, damage):
     path = tmp_path / "results.h5"
@@ -126,6 +133,13 @@ def test_keys_beyond_emoji_are_toml():
     assert toml.parse(toml.document({"a": {"\U0001f600 x": 1}})) == {"a": {"\U0001f600 x": 1}}
 
 
+@pytest.mark.parametrize("text", ["a = " + "[" * 100_000, "a = " + "9" * 10_000],
+                         ids=["nest", "integer"])
+def test_toml_without_end(text):
+    with pytest.raises(ra2d.RequestError, match="the scene is no TOML: "):
+        toml.parse(text)
+
+
 def test_scenes_that_cannot_be_read(tmp_path, base):
     bad = tmp_path / "bad.toml"
     bad.write_text("[scene\n")
@@ -182,6 +196,10 @@ def test_wrong_variations(base, vary, words):
     lambda file: file.attrs.__setitem__("scene", file.attrs["scene"] + "\n[[output]]"),
     lambda file: file.attrs.__setitem__("scene", re.sub("from = .*", 'from = "a"',
                                                         str(file.attrs["scene"]))),
+    lambda file: file.attrs.__setitem__("scene", re.sub("speed = .*", "speed = []",
+                                                        str(file.attrs["scene"]))),
+    lambda file: file.attrs.__setitem__("scene", re.sub("start = .*", "start = nan",
+                                                        str(file.attrs["scene"]))),
     lambda file: file.attrs.__setitem__("format", [3, 3]),
     lambda file: file.attrs.__setitem__("complete", [1, 1])])
 def test_damaged_headers(damaged, damage):
@@ -221,6 +239,19 @@ def time_with(value):
     return lambda file: file["time"].__setitem__(100, value)
 
 
+def filled(name, value):
+    return lambda file: file[name].__setitem__(..., value)
+
+
+def elsewhere(name):
+    """Its numbers are bytes of another file, which no seal covers."""
+    def replace(file):
+        size = file[name].shape[0]
+        del file[name]
+        file.create_dataset(name, (size,), float, external=[(sys.executable, 0, 8 * size)])
+    return replace
+
+
 @pytest.mark.parametrize("damage, read", [
     (without("resonator/shape"), lambda result: result.field(0.001)),
     (without("resonator/frequency"), lambda result: result.listen()),
@@ -233,10 +264,63 @@ def time_with(value):
     (as_texts("resonator/displacement"), lambda result: result.field(0.001)),
     (time_with(math.nan), lambda result: result.field(0.001)),
     (time_with(1e300), lambda result: result.field(slice(0.001, 0.002))),
-    (time_with(0.0), lambda result: result.field(0.001))])
+    (time_with(0.0), lambda result: result.field(0.001)),
+    (time_with(0.0), lambda result: result.contact),
+    (filled("resonator/shape", math.nan), lambda result: result.field(0.001)),
+    (filled("energy/kinetic", math.inf), lambda result: result.energy.load()),
+    (filled("resonator/velocity", 1e300), lambda result: result.field(0.001, what="velocity")),
+    (filled("surface/slider/height", math.nan), lambda result: result.profile("slider").load()),
+    (filled("surface/resonator/position", 0.0), lambda result: result.profile()),
+    (filled("resonator/position", 1.0), lambda result: result.modes()),
+    (elsewhere("contact/force"), lambda result: result.contact)])
 def test_damaged_series(damaged, damage, read):
     with pytest.raises(ra2d.FileError, match="'ra2d check' says what of it"):
         read(damaged(damage))
+
+
+@pytest.fixture
+def forged(small, tmp_path):
+    """As `damaged`, with a seal that fits."""
+    def make(damage):
+        path = tmp_path / "forged.h5"
+        path.write_bytes(seal.without_seal(small.path.read_bytes()))
+        with h5py.File(path, "r+") as file:
+            damage(file)
+        path.write_bytes(path.read_bytes() + seal.seal_of(path.read_bytes()))
+        return ra2d.load(path)
+    return make
+
+
+def test_a_link_to_another_file_is_not_followed(forged, small):
+    def link(file):
+        del file["contact/force"]
+        file["contact/force"] = h5py.ExternalLink(str(small.path), "/contact/force")
+
+    for use in (lambda result: result.level, ra2d.Result.check):
+        with pytest.raises(ra2d.FileError, match="/contact/force is missing"):
+            use(forged(link))
+
+
+def test_a_table_whose_numbers_stand_in_another_file(study, tmp_path):
+    table = tmp_path / "results.h5"
+    table.write_bytes(seal.without_seal((study.folder / "results.h5").read_bytes()))
+    with h5py.File(table, "r+") as file:
+        shape = file["v_rms"].shape
+        del file["v_rms"]
+        file.create_dataset("v_rms", shape, float, external=[(sys.executable, 0, 8 * 1000)])
+    table.write_bytes(table.read_bytes() + seal.seal_of(table.read_bytes()))
+    for use in (lambda: program.call("analyze", tmp_path), lambda: ra2d.load_study(tmp_path)):
+        with pytest.raises(ra2d.FileError, match="/v_rms is kept in other files"):
+            use()
+
+
+def test_pictures_of_places_that_do_not_rise(forged):
+    for name, what in (("surface/resonator/position", "overview"), ("resonator/position", "motion"),
+                       ("surface/slider/position", "profiles")):
+        with pytest.raises(ra2d.FileError, match=f"{name} does not rise. 'ra2d check' says"):
+            forged(filled(name, 0.0)).plot(what)
+        with pytest.raises(ra2d.FileError, match=f"{name} does not rise: it is damaged"):
+            forged(filled(name, 0.0)).check()
 
 
 def test_results_of_programs_whose_faces_were_linear_by_default(damaged):
