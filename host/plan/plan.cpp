@@ -204,24 +204,20 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
   const double turns = higher > 0 ? step_costs::row_raised_turns / turn(n + 2 * higher)
                                   : step_costs::row_turns / theta;
   const auto pressed = [&](int nodes) {
-    if (model.is_areal && smooth) {
-      const double touching = usual_of(model, nodes);
-      return step_costs::smooth_steps_a_radian * fastest *
+    // their springs side by side
+    const double touching = usual_of(model, nodes), omega = omega_c * std::sqrt(touching);
+    if (model.is_areal && smooth)
+      return step_costs::smooth_steps_a_radian * std::max(fastest, omega) *
              std::pow(1e-6 / tolerance, 1.0 / step_costs::smooth_order) *
              (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
              (step_costs::row_smooth_groups +
               step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
               evaluation_ns);
-    }
-    if (model.is_areal) {
-      const double touching = usual_of(model, nodes);
-      const double omega = omega_c * std::sqrt(touching);
+    if (model.is_areal)
       return (turns * std::max(fastest, omega) + step_costs::row_touches * 2 * omega / M_PI +
               step_costs::row_crossings * crossings * touching) *
              (groups_ns + step * (step_costs::row_step + step_costs::row_more_share * touching) +
               evaluation_ns);
-    }
-    const double omega = omega_c * std::sqrt(nodes);  // their springs side by side
     return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
            (step + travelling_forces_ns(model) * n + evaluation_ns +
             (nodes - 1) * step_costs::more_share * step);

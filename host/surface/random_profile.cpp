@@ -166,8 +166,8 @@ void doubt_spectrum(const RandomProfile& p, const Waves& waves, double spacing,
   if (!(lost > most_slope_lost)) return;
   const bool smooth = p.correlation == Correlation::gaussian;
   doubts.push_back(fmt::format(
-      "straight lines between nodes {:.4g} m apart lose {:.0f} % of the root mean square slope ({} "
-      "{:.4g} m). A spacing of {:.2g} m loses {:.0f} %",
+      "nodes {:.4g} m apart lose {:.0f} % of the root mean square slope ({} {:.4g} m). A spacing "
+      "of {:.2g} m loses {:.0f} %",
       spacing, 100 * lost, smooth ? "rsm" : "shortest wave", smooth ? p.rsm : p.shortest,
       fine_spacing(p, waves, spacing), 100 * most_slope_lost));
 }

@@ -280,6 +280,23 @@ TEST(Plan, LargerBlocksOnMapsTakeLonger) {
   EXPECT_GT(seconds("0.08"), 1.2 * seconds("0.04"));
 }
 
+/// Between smooth faces, too, the contact spring makes the steps where it is faster than any mode:
+/// of a block on a rigid plate there is nothing else that does.
+TEST(Plan, TheSpringOfABlockOnARigidPlateTakesSteps) {
+  const auto seconds = [](const std::string& faces, const std::string& stiffness) {
+    const Scene s =
+        read_scene(scene_file("areal"),
+                   {"resonator.support=rigid", "slider.length=0.002", "slider.width=0.002",
+                    "scene.spacing=1e-4", "scene.faces=" + faces, "scene.initial=rest",
+                    "scene.duration=0.01", "contact.stiffness=" + stiffness, "output.rate=1000"});
+    const Plan plan = make_plan(make_model(s), 0);
+    EXPECT_LT(plan.seconds_free, 0.1 * plan.seconds_one) << faces;
+    return plan.seconds_many;
+  };
+  for (const char* faces : {"linear", "smooth"})
+    EXPECT_NEAR(seconds(faces, "1e18") / seconds(faces, "1e16"), 10, 1) << faces;
+}
+
 TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
   Scene s = pressed_plate();
   s.duration = 1e-3;
