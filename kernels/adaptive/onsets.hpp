@@ -135,11 +135,18 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
   for (int i = 0; i < 200; ++i) {
     Real u[packs], rate[packs];
     motion.at(lanes, x, u, rate);
-    const MovingCell moving =
-        node_contact.moving_cell(cell, motion.place_at(start, x), u, rate, motion.slide_rate(x));
+    const Place here = motion.place_at(start, x);
+    const MovingCell moving = node_contact.moving_cell(cell, here, u, rate, motion.slide_rate(x));
     double rate_there;
     const double miss = level - moving.highest(rate_there);
     if (!(miss > noise)) return x;
+    if (i % 16 == 15) {
+      // a summit that passes a flat slider keeps its height, whatever the bound below fears
+      const double travelled = motion.place_at(start, interval.to).theta - here.theta;
+      if (node_contact.most_overlap(cell, here, moving, motion.slide_rate(x), travelled,
+                                    interval.to - x, curvature) < level - noise)
+        return beyond;
+    }
     const double bound =
         Kokkos::fma(slide_rate * slide_rate, moving.steepness.curvature,
                     Kokkos::fma(motion.change_of_slide_rate(), moving.steepness.slope, curvature));

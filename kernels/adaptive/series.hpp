@@ -168,6 +168,7 @@ class ModalSeries {
     for (int e = 0; e < contacts_.count; ++e)
       size += contact_.node_stiffness * overlap(e)[0] * overlap(e)[0];
     if (sums[1] > size) size = sums[1];
+    if (size < 1e-300) size = 1e-300;  // motion whose squares underflow is none
     // terms of the shapes were left out for steps of up to two
     const double longest = neglected_ > 0.0 ? 2.0 : longest_usable;
     if (!(size < 1e300)) return -1.0;  // not a number
@@ -713,11 +714,14 @@ class ModalSeries {
     neglected_ = clusters_.left_out(amplitude);
     return neglected_ <= bearable_share * adaptive_.tolerance * lanes_.sum(displacement);
   }
-  /// Of a series: how far the modes get, and how much they move, over steps of up to two.
+  /// Of a series: how far the modes get, and how much they move, over steps of up to two. A body at
+  /// rest has no lower term than the third where contact begins: its force rises from zero.
   RA2D_FUNCTION void bound_motion(const Real* u, Real* amplitude, Real* travel) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p));
+      const Real c1 = Kokkos::abs(coefficient(1, p)), c2 = Kokkos::abs(coefficient(2, p)),
+                 c3 = Kokkos::abs(coefficient(3, p));
       amplitude[p] = multiply_add(Real(4.0), c2, multiply_add(Real(2.0), c1, Kokkos::abs(u[p])));
+      amplitude[p] = multiply_add(Real(8.0), c3, amplitude[p]);
       travel[p] = c1 + c2;
     }
   }

@@ -189,6 +189,29 @@ class NodeContact {
     return moving;
   }
 
+  /// Smooth faces: bound on the overlap along an expanded cell while the slider goes on by
+  /// `travelled` [chi] in a time `time`: of all that it carries along, with the highest place of
+  /// the resonator's face that comes by. `moving`: the cell at `place`; `curvature`: bound on the
+  /// second derivative of the modes' displacement there [m per time^2].
+  RA2D_FUNCTION double most_overlap(int cell, const Place& place, const MovingCell& moving,
+                                    double slide_rate, double travelled, double time,
+                                    double curvature) const {
+    const CellFaces faces = cells_.faces(cell);
+    const Cubic face = faces.passing[0].about(place.theta + 0.5);
+    Cubic carried, rate;
+    for (int j = 0; j < 4; ++j) {
+      const double passing = j < 3 ? (j + 1.0) * face.c[j + 1] : 0.0;
+      carried.c[j] = moving.overlap[0].c[j] - face.c[j];
+      rate.c[j] = Kokkos::fma(-slide_rate, passing, moving.rate[0].c[j]);
+    }
+    const double top =
+        Kokkos::max(highest_on(faces.passing[0], place.theta, 1.0).value,
+                    highest_on(faces.passing[1], 0.0, place.theta + travelled).value);
+    const double rise = time * Kokkos::fma(0.5 * curvature, time,
+                                           Kokkos::max(0.0, highest_on(rate, -0.5, 0.5).value));
+    return highest_on(carried, -0.5, 0.5).value + top + rise;
+  }
+
   /// Smooth faces: sum_k x_k psi_k along an expanded cell.
   RA2D_FUNCTION Cubic along(int cell, const Place& place, const Real* x) const {
     const Real offset(place.offset);

@@ -248,6 +248,56 @@ TEST(AdaptiveErrors, AreBelowTheTolerance) {
   }
 }
 
+/// A plate at rest, hit by a few nodes. Where contact begins its modes have neither velocity nor
+/// acceleration: only the third terms of their series show how far they will get.
+TEST(AdaptiveErrors, AHitOnABodyAtRestKeepsTheTolerance) {
+  constexpr const char* text = R"(
+    [scene]
+    duration = 1.06e-4
+    speed = 0.951
+    start = 0.008221
+    spacing = 0.000154
+    faces = "linear"
+    [resonator]
+    support = "pinned"
+    length = 0.05
+    width = 0.0427
+    thickness = 0.001
+    young = 210e9
+    density = 7800
+    damping = 0.002
+    modes = 20
+    surface = { kind = "gaussian", rq = 2e-6, rsm = 0.00123, seed = 828949 }
+    [slider]
+    support = "free"
+    length = 0.00493
+    width = 0.00493
+    thickness = 0.02
+    young = 210e9
+    density = 7800
+    damping = 0.02
+    modes = 0
+    load = 0.05
+    surface = { kind = "gaussian", rq = 2e-6, rsm = 0.00123, seed = 2 }
+    [contact]
+    stiffness = 7.28e15
+    [time]
+    scheme = "adaptive"
+    [output]
+    rate = 1e6
+  )";
+  const Scene s = parse_scene(text, "hit.toml");
+  const Recording reference = simulate(adaptive(s, 1e-13));
+  ASSERT_EQ(reference.end.status, Status::done);
+  ASSERT_GT(reference.end.contact_steps, 0);
+  for (const double tolerance : {1e-8, 1e-9, 1e-10, 1e-11}) {
+    const Recording r = simulate(adaptive(s, tolerance));
+    // as of AreBelowTheTolerance
+    EXPECT_LT(distance(r, reference), 0.5 * tolerance + 1e-14) << tolerance;
+    EXPECT_LT(std::abs(r.energy.relative()), 100 * tolerance) << tolerance;
+  }
+}
+
 /// Shocks that have ended, and those that have not.
 std::size_t shocks_of(const Recording& r) { return r.shocks.size() + r.end.open_shocks.size(); }
 

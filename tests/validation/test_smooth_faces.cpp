@@ -176,6 +176,23 @@ TEST(SmoothContact, FacesThatOnlyTouchDoNotHoldTheMarch) {
     }
 }
 
+/// So does a flat slider on the highest summit that it passes: that keeps its height, but moves on
+/// from cell to cell.
+TEST(SmoothContact, ASummitThatSlidesAlongAFlatFaceDoesNotHoldTheMarch) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Scene s = adaptive(plate_scene(3, 0.006, 0.005), 1e-8);
+    s.faces = Faces::smooth;
+    s.duration = 1e-2;
+    s.output.rate = 1e4;
+    s.contact.stiffness = 1e14;
+    s.resonator.surface = gaussian(1e-6, 2e-3, seed);
+    const Recording run = simulate(s);
+    SCOPED_TRACE(std::to_string(seed) + ", " + std::to_string(run.end.steps_made) + " steps");
+    ASSERT_EQ(run.end.status, Status::done);
+    EXPECT_LT(run.end.steps_made, 20'000);
+  }
+}
+
 /// The energy closes better and better with shorter steps, through a contact that opens and closes.
 TEST(SmoothContact, EnergyCloses) {
   Scene s = plate_scene(6, 0.004, 0.004, 0.0);
