@@ -144,7 +144,7 @@ def compare(case):
         falls(case, "damped strip",
               *({length: [marched(case, papers(seed, length, damping, *SLIDERS["damped strip"],
                                                duration=0.4))
-                          for seed in range(4)] for length in (20e-3, 80e-3)}
+                          for seed in range(6)] for length in (20e-3, 80e-3)}
                 for damping in (USUAL, LITTLE)))
         return
     found = {}
