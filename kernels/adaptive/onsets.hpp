@@ -141,7 +141,8 @@ RA2D_FUNCTION double first_contact(const Lanes& lanes,
     const double miss = level - moving.highest(rate_there);
     if (!(miss > noise)) return x;
     if (i % 16 == 15) {
-      // a summit that passes a flat slider keeps its height, whatever the bound below fears
+      // a summit that passes a flat slider keeps its height: by the parabolas below, which do not
+      // know that, the search would stand still
       const double travelled = motion.place_at(start, interval.to).theta - here.theta;
       if (node_contact.most_overlap(cell, here, moving, motion.slide_rate(x), travelled,
                                     interval.to - x, curvature) < level - noise)
