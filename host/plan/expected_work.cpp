@@ -16,20 +16,38 @@
 namespace ra2d {
 namespace {
 
+/// Angular frequency [rad/s] of the springs of one node of an areal scene against the bodies'
+/// inertia, where every mode yields most (contact_frequency, host/plan/stability.hpp): of a pinned
+/// plate psi^2/m is up to 4 over its mass, of a free block 1, 3 and 3.
+double areal_contact_frequency(const Scene& scene, int plate_modes) {
+  if (scene.contact.law != ContactLaw::penalty) return 0;
+  const auto mass = [](const BodySpec& body) {
+    return body.density * body.length * body.width * body.thickness;
+  };
+  const double spring =
+      scene.contact.stiffness * scene.spacing * scene.spacing_y.value_or(scene.spacing);
+  return std::sqrt(spring * ((plate_modes > 0 ? 4 * plate_modes / mass(scene.resonator) : 0.0) +
+                             (rigid_mode_count(scene.slider) > 0 ? 7 / mass(scene.slider) : 0.0)));
+}
+
+double smooth_steps_of_tolerance(const Scene& scene) {
+  return std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
+                  1.0 / step_costs::smooth_order);
+}
+
 /// Steps of the adaptive scheme in a second. Between linear faces one ends where a node passes
-/// another. Otherwise the fastest mode and the contacts set them: each begins and ends a step.
-double steps_a_second(const Scene& scene, double highest, double nodes_in_contact,
+/// another. Otherwise the fastest motion (`radians` a second) and the contacts set them: each
+/// begins and ends a step.
+double steps_a_second(const Scene& scene, double radians, double nodes_in_contact,
                       double contact_duration) {
-  const double radians = 2 * M_PI * highest;
+  if (scene.kind == SceneKind::areal && scene.faces == Faces::smooth)
+    return map_steps_a_second(scene, radians, nodes_in_contact);
   if (scene.faces == Faces::smooth) {
     double steps = step_costs::smooth_steps_a_radian * radians;
-    if (scene.kind == SceneKind::areal)
-      steps *= step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * nodes_in_contact;
-    else if (contact_duration > 0)
+    if (contact_duration > 0)
       steps = step_costs::smooth_steps_a_free_radian * radians +
               step_costs::smooth_steps_a_contact / contact_duration + scene.speed / scene.spacing;
-    return steps * std::pow(1e-6 / scene.time.tolerance.value_or(usual_tolerance),
-                            1.0 / step_costs::smooth_order);
+    return steps * smooth_steps_of_tolerance(scene);
   }
   if (scene.kind == SceneKind::areal)
     return step_costs::row_crossings * nodes_in_contact * scene.speed / scene.spacing +
@@ -73,11 +91,11 @@ struct SceneCount {
 
 constexpr double ns = 1e-9;
 
-/// Sets steps and march of a scene with `adaptive`; `highest`: Hz, its fastest mode.
-void estimate_adaptive(const Scene& scene, const SceneCount& count, double highest,
+/// Sets steps and march of a scene with `adaptive`; `radians`: a second, of its fastest motion.
+void estimate_adaptive(const Scene& scene, const SceneCount& count, double radians,
                        ExpectedWork& work) {
   const int terms = series_order(scene.time.tolerance.value_or(usual_tolerance));
-  work.steps = 1 + scene.duration * steps_a_second(scene, highest, count.touching, count.lasts);
+  work.steps = 1 + scene.duration * steps_a_second(scene, radians, count.touching, count.lasts);
   const double groups =
       !count.areal   ? 0.0
       : count.smooth ? step_costs::row_smooth_groups
@@ -129,6 +147,11 @@ void estimate_fixed(const Scene& scene, const SceneCount& count, ExpectedWork& w
 
 }  // namespace
 
+double map_steps_a_second(const Scene& scene, double fastest, double touching) {
+  return step_costs::smooth_steps_a_radian * fastest * smooth_steps_of_tolerance(scene) *
+         (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching);
+}
+
 double search_seconds(const Scene& scene, double steps, double duration) {
   if (scene.kind == SceneKind::areal || scene.time.nodes == Nodes::all) return 0;
   return ns * std::min(step_costs::search * steps, step_costs::searches_a_second * duration);
@@ -172,7 +195,10 @@ ExpectedWork expected_work(const Scene& scene, const UsualContact& contact) {
       .smooth = smooth};
   if (is_adaptive(scene)) {
     const double highest = std::max(highest_of(scene.resonator), highest_of(scene.slider));
-    estimate_adaptive(scene, count, highest, work);
+    const double omega_c = areal ? areal_contact_frequency(scene, modes_of(scene.resonator)) : 0.0;
+    // springs side by side
+    estimate_adaptive(scene, count, std::max(2 * M_PI * highest, omega_c * std::sqrt(touching)),
+                      work);
   } else {
     estimate_fixed(scene, count, work);
   }

@@ -26,6 +26,10 @@ struct UsualContact {
 /// 'ra2d plan' says how long at the worst.
 ExpectedWork expected_work(const Scene& scene, const UsualContact& contact = {});
 
+/// Steps of `adaptive` in a second between smooth faces of maps, under a fastest motion [rad/s] and
+/// with so many cells in contact.
+double map_steps_a_second(const Scene& scene, double fastest, double touching);
+
 /// How long so many fixed steps of a plane scene search for the nodes that can touch [s];
 /// `duration`: s of the scene.
 double search_seconds(const Scene& scene, double steps, double duration);

@@ -205,20 +205,19 @@ void plan_adaptive_steps(const Model& model, double omega_c, Plan& plan) {
                                   : step_costs::row_turns / theta;
   const auto pressed = [&](int nodes) {
     // their springs side by side
-    const double touching = usual_of(model, nodes), omega = omega_c * std::sqrt(touching);
+    const double touching = usual_of(model, nodes), omega = omega_c * std::sqrt(touching),
+                 rate = std::max(fastest, omega);
     if (model.is_areal && smooth)
-      return step_costs::smooth_steps_a_radian * std::max(fastest, omega) *
-             std::pow(1e-6 / tolerance, 1.0 / step_costs::smooth_order) *
-             (step_costs::row_smooth_steps + step_costs::row_smooth_steps_more * touching) *
+      return map_steps_a_second(scene, rate, touching) *
              (step_costs::row_smooth_groups +
               step * (step_costs::row_step + step_costs::row_smooth_more_share * touching) +
               evaluation_ns);
     if (model.is_areal)
-      return (turns * std::max(fastest, omega) + step_costs::row_touches * 2 * omega / M_PI +
+      return (turns * rate + step_costs::row_touches * 2 * omega / M_PI +
               step_costs::row_crossings * crossings * touching) *
              (groups_ns + step * (step_costs::row_step + step_costs::row_more_share * touching) +
               evaluation_ns);
-    return ((smooth ? 0.0 : crossings) + std::max(fastest, omega) / theta + 2 * omega / M_PI) *
+    return ((smooth ? 0.0 : crossings) + rate / theta + 2 * omega / M_PI) *
            (step + travelling_forces_ns(model) * n + evaluation_ns +
             (nodes - 1) * step_costs::more_share * step);
   };

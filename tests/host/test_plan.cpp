@@ -291,10 +291,14 @@ TEST(Plan, TheSpringOfABlockOnARigidPlateTakesSteps) {
                     "scene.duration=0.01", "contact.stiffness=" + stiffness, "output.rate=1000"});
     const Plan plan = make_plan(make_model(s), 0);
     EXPECT_LT(plan.seconds_free, 0.1 * plan.seconds_one) << faces;
-    return plan.seconds_many;
+    return std::pair{plan.seconds_many, expected_work(s).march};
   };
-  for (const char* faces : {"linear", "smooth"})
-    EXPECT_NEAR(seconds(faces, "1e18") / seconds(faces, "1e16"), 10, 1) << faces;
+  for (const char* faces : {"linear", "smooth"}) {
+    const auto [planned, expected] = seconds(faces, "1e18");
+    const auto [soft_planned, soft_expected] = seconds(faces, "1e16");
+    EXPECT_NEAR(planned / soft_planned, 10, 1) << faces;
+    EXPECT_GT(expected / soft_expected, 3) << faces;  // fewer nodes touch, too
+  }
 }
 
 TEST(ExpectedWork, OfFixedStepsIsTheirNumber) {
