@@ -154,6 +154,12 @@ std::string needed_for(const LawQuantity& of) {
                               : fmt::format("a finite {}", of.name);
 }
 
+std::string missing_text(std::size_t runs) {
+  if (runs == 0) return {};
+  return fmt::format("{} of the runs {} not run yet: the same 'ra2d study' command continues", runs,
+                     runs == 1 ? "has" : "have");
+}
+
 std::vector<LawQuantity> sounds_of(const StudyAnswers& answers) {
   std::vector<LawQuantity> found;
   for (const LawQuantity& sound : sounds)
@@ -174,15 +180,19 @@ StudyLaw fit_law(const StudyAnswers& answers, const LawQuantity& of) {
     if (amplitude[i] > 0 && std::isfinite(amplitude[i])) runs.push_back(i);
   law.runs = runs.size();
   law.left_out = amplitude.size() - runs.size();
+  law.missing = static_cast<std::size_t>(std::count(answers.status.begin(), answers.status.end(),
+                                                    static_cast<double>(RunStatus::missing)));
 
   const LawEquations equations = law_equations(answers, amplitude, fitted, runs);
   const auto& [x, y, centre] = equations;
   const Eigen::Index rows = x.rows(), terms = x.cols();
   const LeastSquares decomposed(x);
-  if (rows < terms || decomposed.rank() < terms)
+  if (rows < terms || decomposed.rank() < terms) {
+    const std::string missing = missing_text(law.missing);
     throw RequestError(fmt::format(
-        "no law yet: the {} runs with {} do not vary all of the dimensions by themselves",
-        runs.size(), needed_for(of)));
+        "no law yet: the {} runs with {} do not vary all of the dimensions by themselves{}{}",
+        runs.size(), needed_for(of), missing.empty() ? "" : ". ", missing));
+  }
   const Eigen::VectorXd solution = decomposed.solve(y);
   const Eigen::VectorXd deviations = y - x * solution;
   const double residual = deviations.squaredNorm();

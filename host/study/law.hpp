@@ -53,6 +53,9 @@ inline constexpr LawQuantity sounds[] = {
 };
 /// A run counts for the law if it has this: "a v_rms above 0".
 std::string needed_for(const LawQuantity& of);
+
+/// Says of runs that are missing what runs them; nothing of none.
+std::string missing_text(std::size_t runs);
 /// Those of sound that the table has.
 std::vector<LawQuantity> sounds_of(const StudyAnswers& answers);
 
@@ -70,6 +73,7 @@ struct StudyLaw {
   double explained = 0;               // R^2: the share of the variance of the logarithm
   std::size_t runs = 0;               // that it is fitted to
   std::size_t left_out = 0;           // missing, failed, or of amplitude 0
+  std::size_t missing = 0;            // of these, runs that have not run yet
   std::size_t seeds = 1;              // draws that the intervals are of; 1: of runs
   std::vector<std::string> drawn_by;  // dimensions whose values are the draws: mostly "seed"
   std::string dependent;              // Draws::dependent: then there are no intervals

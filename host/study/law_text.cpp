@@ -59,9 +59,10 @@ std::string law_text(const StudyLaw& law) {
   text += fmt::format("    {} runs, R^2 = {:.4f}", law.runs, law.explained);
   if (!std::isnan(law.deviation))
     text += fmt::format(", {:.2f} dB from the law to a run", law.deviation);
-  if (law.left_out > 0)
-    text += fmt::format("; {} without {} left out", law.left_out, needed_for(law.of));
+  if (const std::size_t ended = law.left_out - law.missing; ended > 0)
+    text += fmt::format("; {} without {} left out", ended, needed_for(law.of));
   text += '\n';
+  if (law.missing > 0) text += fmt::format("    {}\n", missing_text(law.missing));
   text += fmt::format("    {}\n", intervals_text(law));
   text += fmt::format("    {}\n", describe(law.line));
   for (const LocalExponent& change : law.line.changes)

@@ -1170,6 +1170,28 @@ TEST(StudyLaw, MeansAreOverTheSeeds) {
   EXPECT_EQ(means[5].v_rms.mean, 7.0);
 }
 
+/// They are no runs at rest, and the user can do something about them.
+TEST(StudyLaw, SaysOfRunsThatAreMissingWhatRunsThem) {
+  StudyAnswers answers = answers_of(two_axes, [](const std::vector<double>& x) {
+    return x[2] == 2 && x[0] > 0.05 ? std::nan("") : x[0] * x[1];
+  });
+  EXPECT_THAT(describe_study(answers, "out"),
+              AllOf(HasSubstr("; 6 without a v_rms above 0 left out"), Not(HasSubstr("not run"))));
+  const auto wait = [&](std::size_t first) {
+    for (std::size_t run = first; run < answers.status.size(); ++run) {
+      answers.v_rms[run] = std::nan("");
+      answers.status[run] = static_cast<double>(RunStatus::missing);
+    }
+    return describe_study(answers, "out");
+  };
+  EXPECT_THAT(
+      wait(26),  // of the six that failed two are left
+      AllOf(HasSubstr("; 2 without a v_rms above 0 left out\n    10 of the runs have not run "
+                      "yet: the same 'ra2d study' command continues\n")));
+  EXPECT_THAT(wait(1), HasSubstr("do not vary all of the dimensions by themselves. 35 of the runs "
+                                 "have not run yet: the same 'ra2d study' command continues\n"));
+}
+
 TEST(StudyLaw, OfRunsAtRestTheLevelIsInfinite) {
   const StudyAnswers answers = answers_of(
       two_axes, [](const std::vector<double>& x) { return x[0] > 0.02 ? x[0] * x[1] : 0.0; });
