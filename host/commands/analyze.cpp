@@ -67,23 +67,24 @@ std::vector<std::string> choose_prefixes(const AnalyzeRequest& request) {
           fmt::format("--csv {}: two results would write '{}{}': expected results of different "
                       "names",
                       request.csv, prefixes.back(), tables[0]));
-    for (const char* table : tables) require_derived_output(prefixes.back() + table, request.files);
+    for (const char* table : tables)
+      require_derived_output(prefixes.back() + table, request.files, "--csv");
     if (request.options.sound.asks())
       for (const char* table : sound_tables)
-        require_derived_output(prefixes.back() + table, request.files);
+        require_derived_output(prefixes.back() + table, request.files, "--csv");
   }
-  require_derived_output(figures_file(request), request.files);
+  require_derived_output(figures_file(request), request.files, "--csv");
   return prefixes;
 }
 
 void write_tables(const std::string& prefix, const Analysis& analysis) {
-  write_text(prefix + tables[0], spectrum_csv(analysis));
-  write_text(prefix + tables[1], bands_csv(analysis));
-  write_text(prefix + tables[2], shocks_csv(analysis));
+  write_text(prefix + tables[0], spectrum_csv(analysis), "--csv");
+  write_text(prefix + tables[1], bands_csv(analysis), "--csv");
+  write_text(prefix + tables[2], shocks_csv(analysis), "--csv");
   if (!analysis.microphones.empty() || analysis.power)
-    write_text(prefix + sound_tables[0], sound_csv(analysis));
+    write_text(prefix + sound_tables[0], sound_csv(analysis), "--csv");
   if (!analysis.microphones.empty())
-    write_text(prefix + sound_tables[1], sound_history_csv(analysis));
+    write_text(prefix + sound_tables[1], sound_history_csv(analysis), "--csv");
 }
 
 /// The table of a study: a folder's, or the file itself.
@@ -93,7 +94,7 @@ fs::path table_of(const fs::path& file) {
 
 /// Whether there was a law to be written, too. An older law must not stay next to new means.
 bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) {
-  write_text(prefix + study_tables[0], means_csv(answers));
+  write_text(prefix + study_tables[0], means_csv(answers), "--csv");
   std::vector<LawQuantity> wanted = sounds_of(answers);
   wanted.insert(wanted.begin(), vibration);
   std::vector<StudyLaw> laws;
@@ -101,7 +102,7 @@ bool write_study_tables(const std::string& prefix, const StudyAnswers& answers) 
       laws.push_back(fit_law(answers, of));
     } catch (const RequestError&) {  // the text and the JSON say why
     }
-  write_text(prefix + study_tables[1], law_csv(laws));
+  write_text(prefix + study_tables[1], law_csv(laws), "--csv");
   return !laws.empty();
 }
 
@@ -119,7 +120,7 @@ int analyze_study(const AnalyzeRequest& request) {
   const fs::path table = table_of(named);
   const std::string prefix = request.csv.empty() ? "" : prefix_of(request.csv, named, false);
   if (!prefix.empty())
-    for (const char* name : study_tables) require_derived_output(prefix + name, {table});
+    for (const char* name : study_tables) require_derived_output(prefix + name, {table}, "--csv");
   const StudyAnswers answers = read_study_table(table);
   const bool has_law = !prefix.empty() && write_study_tables(prefix, answers);
   print_text(request.json ? study_json(answers) : describe_study(answers, table.string()));
@@ -144,7 +145,7 @@ int run_analysis(const AnalyzeRequest& request) {
   }
   say_doubts(doubts_of_means(analyses), request.quiet);
   for (std::size_t i = 0; i < prefixes.size(); ++i) write_tables(prefixes[i], analyses[i]);
-  if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses));
+  if (!prefixes.empty()) write_text(figures_file(request), figures_csv(analyses), "--csv");
   if (request.json) {
     print_text(json_of(analyses));
     return exit_status::done;

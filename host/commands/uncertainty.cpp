@@ -41,7 +41,7 @@ int make_budget(BudgetRequest& request) {
   if (!request.csv.empty()) {
     std::vector<fs::path> read = files_of(scene);
     read.push_back(request.scene);
-    require_derived_output(request.csv, read);
+    require_derived_output(request.csv, read, "--csv");
   }
   say_doubts(make_model(scene).doubts, request.quiet);
   Json budget{{"command", "uncertainty"},
@@ -53,8 +53,9 @@ int make_budget(BudgetRequest& request) {
               {"folder", path_text(request.folder)},
               {"json", request.json},
               {"show", shows_progress(request.quiet)}};
+  say_when_interrupted("ra2d: interrupted: what is finished is kept; the same command continues\n");
   if (request.csv.empty()) return ask_python(budget);
-  PartialFile csv(request.csv);
+  PartialFile csv(request.csv, "--csv");
   budget["made"] = path_text(request.csv);
   budget["csv"] = path_text(csv.path());
   const int status = ask_python(budget);

@@ -23,27 +23,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string refusal(const fs::path& path, const std::string& why) {
-  return fmt::format("cannot write to '{}': {}. Name a file with -o", path.string(), why);
+std::string refusal(const fs::path& path, const std::string& why, const char* option) {
+  return fmt::format("cannot write to '{}': {}. Name a file with {}", path.string(), why, option);
 }
 
 /// Follows `path` to the file that is written; says why there can be none, or nothing. Throws
 /// FileError for links in a ring.
-std::string follow(fs::path& path) {
+std::string follow(fs::path& path, const char* option) {
   if (!path.has_filename()) return "this is a folder";
   const fs::path given = path;
   std::error_code unknown;
   // as the system follows it: also to a pipe behind /dev/stdout, which no link names
   const fs::file_status end = fs::status(given, unknown);
   if (unknown == std::errc::too_many_symbolic_link_levels)
-    throw FileError(refusal(given, "its symbolic links lead in a ring"));
+    throw FileError(refusal(given, "its symbolic links lead in a ring", option));
   const char* const leads =
       fs::is_symlink(fs::symlink_status(given, unknown)) ? "it leads to " : "this is ";
   if (fs::exists(end) && !fs::is_regular_file(end))
     return std::string(leads) + kind_name(end.type());
   constexpr int most_links = 40;  // as many as the system follows
   for (int links = 0; fs::is_symlink(fs::symlink_status(path, unknown)); ++links) {
-    if (links == most_links) throw FileError(refusal(given, "its symbolic links lead in a ring"));
+    if (links == most_links)
+      throw FileError(refusal(given, "its symbolic links lead in a ring", option));
     path = path.parent_path() /
            fs::read_symlink(path, unknown);  // an absolute one replaces the folder
   }
@@ -119,9 +120,10 @@ fs::path folder_of(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-fs::path replaced_file(const fs::path& path) {
+fs::path replaced_file(const fs::path& path, const char* option) {
   fs::path file = path;
-  if (const std::string why = follow(file); !why.empty()) throw FileError(refusal(path, why));
+  if (const std::string why = follow(file, option); !why.empty())
+    throw FileError(refusal(path, why, option));
   return file;
 }
 
@@ -133,13 +135,13 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
   return !none && whole_a == fs::canonical(b, none) && !none;
 }
 
-void require_replaceable(const fs::path& file) {
+void require_replaceable(const fs::path& file, const char* option) {
   struct stat status;
   if (lstat(file.c_str(), &status) != 0) return;  // there is none
   const auto fail = [&](const char* why) {
     throw FileError(fmt::format(
-        "cannot write '{}': the file that is there may not be replaced: {}. Name another with -o",
-        file.string(), why));
+        "cannot write '{}': the file that is there may not be replaced: {}. Name another with {}",
+        file.string(), why, option));
   };
 #ifdef STATX_ATTR_MOUNT_ROOT
   struct statx more;
@@ -153,16 +155,18 @@ void require_replaceable(const fs::path& file) {
     fail(std::strerror(errno));
 }
 
-void require_output(const fs::path& output, const std::vector<fs::path>& inputs) {
+void require_output(const fs::path& output, const std::vector<fs::path>& inputs,
+                    const char* option) {
   fs::path file = output;
-  if (const std::string why = follow(file); !why.empty()) throw RequestError(refusal(output, why));
+  if (const std::string why = follow(file, option); !why.empty())
+    throw RequestError(refusal(output, why, option));
   std::error_code none;
   for (const fs::path& input : inputs) {
     if (is_same_file(file, input))
       throw RequestError(
           fmt::format("'{}' would be overwritten with the output, and it is an input ('{}'): name "
-                      "another file with -o",
-                      output.string(), input.string()));
+                      "another file with {}",
+                      output.string(), input.string(), option));
     if (is_partial_name(input) || is_partial_name(fs::canonical(input, none)))
       throw RequestError(
           fmt::format("the input '{}' bears the name of a partial file of ra2d, and those are "
@@ -172,11 +176,12 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
   if (is_among_ledgers(file))
     throw RequestError(fmt::format(
         "'{}' is a place among the ledgers of a study: it is left as it is. Name a file "
-        "elsewhere with -o",
-        output.string()));
+        "elsewhere with {}",
+        output.string(), option));
   if (is_printed_to(file))
-    throw RequestError(fmt::format(
-        "'{}' is also where this program prints to: name another file with -o", output.string()));
+    throw RequestError(
+        fmt::format("'{}' is also where this program prints to: name another file with {}",
+                    output.string(), option));
   const fs::path folder = folder_of(file);
   if (!fs::is_directory(folder, none))
     throw FileError(fmt::format("cannot write '{}': there is no folder '{}'", output.string(),
@@ -184,16 +189,17 @@ void require_output(const fs::path& output, const std::vector<fs::path>& inputs)
   if (access(folder.c_str(), W_OK | X_OK) != 0)
     throw FileError(fmt::format("cannot write '{}': the folder '{}': {}", output.string(),
                                 folder.string(), std::strerror(errno)));
-  require_replaceable(file);
+  require_replaceable(file, option);
 }
 
-void require_derived_output(const fs::path& output, const std::vector<fs::path>& inputs) {
-  require_output(output, inputs);
-  if (const std::string kind = kind_of_kept(replaced_file(output), output.extension());
+void require_derived_output(const fs::path& output, const std::vector<fs::path>& inputs,
+                            const char* option) {
+  require_output(output, inputs, option);
+  if (const std::string kind = kind_of_kept(replaced_file(output, option), output.extension());
       !kind.empty())
     throw RequestError(
-        fmt::format("'{}' is {}: it is left as it is. Name another file with -o, or remove it",
-                    output.string(), kind));
+        fmt::format("'{}' is {}: it is left as it is. Name another file with {}, or remove it",
+                    output.string(), kind, option));
 }
 
 }  // namespace ra2d

@@ -134,25 +134,25 @@ void remove_leftovers(const fs::path& folder, const std::string& host) {
 
 constexpr int most_attempts = 1000;  // to find a name
 
-std::string cure(int error, const std::string& smaller) {
+std::string cure(int error, const std::string& smaller, const char* option) {
   const std::string or_smaller = smaller.empty() ? "" : ", or " + smaller;
   switch (error) {
     case ENOSPC:
     case EDQUOT:
-      return "Free some space, write to another disk with -o" + or_smaller;
+      return fmt::format("Free some space, write to another disk with {}{}", option, or_smaller);
     case EFBIG:
       return "Raise the limit on file sizes (ulimit -f)" + or_smaller;
     case EACCES:
     case EPERM:
     case EROFS:
-      return "Choose a folder that you may write to with -o";
+      return fmt::format("Choose a folder that you may write to with {}", option);
     case ENOENT:
     case ENOTDIR:
-      return "Create the folder first, or choose another with -o";
+      return fmt::format("Create the folder first, or choose another with {}", option);
     case ENAMETOOLONG:
-      return "Choose a shorter name with -o";
+      return fmt::format("Choose a shorter name with {}", option);
     default:
-      return "Check that disk, or write to another with -o";
+      return fmt::format("Check that disk, or write to another with {}", option);
   }
 }
 
@@ -197,15 +197,16 @@ PartialFolder::PartialFolder(const fs::path& folder) : place_{take_place(folder.
 PartialFolder::~PartialFolder() { leave_place(place_); }
 
 FileError write_failure(const std::string& doing, const fs::path& file, const std::string& reason,
-                        int error, const std::string& smaller) {
-  return FileError(
-      fmt::format("cannot {} '{}': {}. {}", doing, file.string(), reason, cure(error, smaller)));
+                        int error, const std::string& smaller, const char* option) {
+  return FileError(fmt::format("cannot {} '{}': {}. {}", doing, file.string(), reason,
+                               cure(error, smaller, option)));
 }
 
-PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)}, place_{nowhere} {
+PartialFile::PartialFile(const fs::path& target, const char* option)
+    : target_{replaced_file(target, option)}, option_{option}, place_{nowhere} {
   const auto fail = [&](int error) {
     drop();
-    throw write_failure("create", target_, std::strerror(error), error);
+    throw failure("create", target_, error);
   };
   const fs::path folder = folder_of(target_);
   const std::string host = host_name(), name = target_.filename().string();
@@ -221,8 +222,8 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
       throw FileError(
           fmt::format("cannot create '{}': its folder has {} files like '{}' already, or takes "
                       "away what is made "
-                      "there. Remove them, or choose another folder with -o",
-                      target_.string(), most_attempts, path_.filename().string()));
+                      "there. Remove them, or choose another folder with {}",
+                      target_.string(), most_attempts, path_.filename().string(), option_));
     path_ = target_;
     path_.replace_filename(partial_name(name, host, attempt, longest));
     if (fs::exists(fs::symlink_status(path_, none))) continue;  // not ours to remove
@@ -246,6 +247,10 @@ PartialFile::PartialFile(const fs::path& target) : target_{replaced_file(target)
   }
 }
 
+FileError PartialFile::failure(const char* doing, const fs::path& file, int error) const {
+  return write_failure(doing, file, std::strerror(error), error, {}, option_);
+}
+
 void PartialFile::begin_sync() const noexcept {
   sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
 }
@@ -255,13 +260,12 @@ void PartialFile::sync() {
   // The same size again gives back what was set aside beyond it.
   if (fstat(descriptor_, &status) != 0 || ftruncate(descriptor_, status.st_size) != 0 ||
       fsync(descriptor_) != 0)
-    throw write_failure("finish", target_, std::strerror(errno), errno);
+    throw failure("finish", target_, errno);
   posix_fadvise(descriptor_, 0, 0, POSIX_FADV_DONTNEED);
 }
 
 void PartialFile::publish(const fs::path& name) {
-  if (rename(path_.c_str(), name.c_str()) != 0)
-    throw write_failure("finish", name, std::strerror(errno), errno);
+  if (rename(path_.c_str(), name.c_str()) != 0) throw failure("finish", name, errno);
   leave_place(std::exchange(place_, nowhere));
   close(std::exchange(descriptor_, -1));  // synced: it has nothing more to say
   sync_folder_of(name);
@@ -281,12 +285,12 @@ void PartialFile::write(std::string_view text) {
     if (count > 0)
       text.remove_prefix(static_cast<std::size_t>(count));
     else if (error != EINTR)
-      throw write_failure("write", target_, std::strerror(error), error);
+      throw failure("write", target_, error);
   }
 }
 
-void write_text(const fs::path& path, const std::string& text) {
-  PartialFile file(path);
+void write_text(const fs::path& path, const std::string& text, const char* option) {
+  PartialFile file(path, option);
   file.write(text);
   file.sync();
   file.publish();

@@ -16,8 +16,9 @@ namespace ra2d {
 /// touched. Unless publish() is reached, nothing is left. Throws FileError.
 class PartialFile {
  public:
-  /// `target` is followed where it is a symbolic link (host/system/output_file.hpp).
-  explicit PartialFile(const std::filesystem::path& target);
+  /// `target` is followed where it is a symbolic link; `option` is the one that names it
+  /// (host/system/output_file.hpp).
+  explicit PartialFile(const std::filesystem::path& target, const char* option = "-o");
   ~PartialFile() { drop(); }
   PartialFile(const PartialFile&) = delete;
   PartialFile& operator=(const PartialFile&) = delete;
@@ -41,7 +42,10 @@ class PartialFile {
   void drop() noexcept;
 
  private:
+  FileError failure(const char* doing, const std::filesystem::path& file, int error) const;
+
   std::filesystem::path target_, path_;
+  const char* option_;  // for messages
   int descriptor_ = -1;
   std::size_t place_;  // among those that drop_partials() knows
 };
@@ -75,11 +79,13 @@ void drop_partials() noexcept;
 void sync_folder_of(const std::filesystem::path& file);
 
 /// Writes a text under its name once it is complete. Throws FileError.
-void write_text(const std::filesystem::path& path, const std::string& text);
+void write_text(const std::filesystem::path& path, const std::string& text,
+                const char* option = "-o");
 
 /// "cannot DOING 'FILE': REASON", and the cure for `error`, an errno or 0; `smaller` says what else
-/// makes a file smaller.
+/// makes a file smaller, and `option` which one names another file.
 FileError write_failure(const std::string& doing, const std::filesystem::path& file,
-                        const std::string& reason, int error, const std::string& smaller = {});
+                        const std::string& reason, int error, const std::string& smaller = {},
+                        const char* option = "-o");
 
 }  // namespace ra2d

@@ -685,6 +685,7 @@ TEST_F(Analyze, WritesTables) {
 TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
   run("a.h5");
   std::ofstream(folder_.path() / "scene.toml") << "[scene]\n";
+  std::filesystem::copy(folder_.path() / "a.h5", folder_.path() / "kept-bands.csv");
   for (const auto& [words, status, why] :
        std::vector<std::tuple<std::vector<std::string>, int, std::string>>{
            {{"scene.toml"}, 4, "it is no HDF5 file"},
@@ -700,6 +701,8 @@ TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
            {{"a.h5", "--resolution", "9", "--segment", "9"}, 2, "excludes"},
            {{"a.h5", "--csv", ""}, 2, "--csv"},
            {{"a.h5", "--csv", "no/folder/x"}, 4, "no/folder"},
+           {{"a.h5", "--csv", std::string(250, 'x')}, 4, "Choose a shorter name with --csv"},
+           {{"a.h5", "--csv", "kept"}, 2, "Name another file with --csv, or remove it"},
            {{}, 2, "OUT.h5"}}) {
     std::vector<std::string> line{"analyze"};
     line.insert(line.end(), words.begin(), words.end());

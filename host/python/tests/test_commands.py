@@ -263,7 +263,7 @@ def test_uncertainty_refuses_what_is_wrong(place, dang):
     for words, status, said in ((("s.toml", "--seeds", "1"), 2, "from 2 to 1000"),
                                 (("no.toml",), 4, "no.toml"),
                                 (("s.toml", "--set", "scene.speed=fast"), 2, "number >= 0"),
-                                (("s.toml", "--csv", "s.toml"), 2, "overwritten"),
+                                (("s.toml", "--csv", "s.toml"), 2, "name another file with --csv"),
                                 (("s.toml", "-o", "no/folder"), 4, "Make it first"),
                                 (("s.toml", "--set", 'slider.surface={kind="flat"}', "--set",
                                   'resonator.surface={kind="flat"}'), 2, "neither face")):
