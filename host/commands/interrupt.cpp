@@ -5,6 +5,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdint>
 #include <string_view>
@@ -38,6 +39,8 @@ void hold_checkpoint_signal(int, char**, char**) {
                                                                  char**) = hold_checkpoint_signal;
 #endif
 
+std::atomic<const char*> at_once = "ra2d: interrupted\n";
+
 void write_to_terminal(std::string_view text) {
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
 }
@@ -57,7 +60,7 @@ void on_signal(int signal) {
   if (on_terminal) write_to_terminal("\r\033[K");  // the line of progress
   if (!is_silent)
     write_to_terminal(before == 0
-                          ? "ra2d: interrupted\n"
+                          ? at_once.load()
                           : "ra2d: interrupted again: only what a checkpoint holds is kept\n");
   _exit(128 + signal);
 }
@@ -85,6 +88,8 @@ void catch_interrupts() {
   sigaddset(&held, SIGUSR1);
   sigprocmask(SIG_UNBLOCK, &held, nullptr);
 }
+
+void say_when_interrupted(const char* words) { at_once = words; }
 
 void end_at_checkpoint_signal() {
   keeps_none = 1;

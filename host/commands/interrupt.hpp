@@ -12,6 +12,9 @@ namespace ra2d {
 /// (SIGPIPE).
 void catch_interrupts();
 
+/// A signal that ends the program at once says these words from now on, not "interrupted" alone.
+void say_when_interrupted(const char* words);
+
 /// Has SIGUSR1 end the process like the others, also one that came before: of a command that keeps
 /// no checkpoints. Of others it is ignored as long as there is none to keep.
 void end_at_checkpoint_signal();

@@ -9,6 +9,7 @@
 #include "host/base/errors.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/interrupt.hpp"
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/commands/python.hpp"

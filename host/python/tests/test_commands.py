@@ -8,7 +8,9 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
+import time
 import warnings
 
 import pytest
@@ -271,6 +273,18 @@ def test_uncertainty_refuses_what_is_wrong(place, dang):
         assert ended.returncode == status and said in ended.stderr and ended.stdout == "", words
     assert names(place) == before and (place / "s.toml").read_text() == pathlib.Path(
         dang).read_text()
+
+
+def test_an_interrupted_uncertainty_says_what_continues_it(place, dang):
+    words = [program.find(), "uncertainty", dang, "--set", "scene.duration=1.5", "--quiet"]
+    with subprocess.Popen(words, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True) as process:
+        while process.poll() is None and not (place / "dang2012-uncertainty").exists():
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+    assert process.returncode == 130 and out == ""
+    assert err == "ra2d: interrupted: what is finished is kept; the same command continues\n"
 
 
 def test_compare_prints_the_packages_comparison(place, result, study):
