@@ -28,9 +28,6 @@ namespace {
 // Beyond any face:
 constexpr double longest_share = 900;  // a profile so many times as long as the beam
 constexpr double inches = 1 / 0.0254, like_inches = 0.05;
-// A number that is cut off inside its exponent is off by powers of ten. No last height of a face is
-// so many times its peak to valley away from all others.
-constexpr double far_off = 10;
 constexpr double usual_height = 2e-5;  // m, peak to valley of a ground face
 constexpr std::size_t few_points = 100;
 
@@ -89,28 +86,6 @@ ProfilePoints read_points(const std::filesystem::path& file) {
   return profile;
 }
 
-/// Lowest and highest of the first `count` heights [m], but for one.
-struct Span {
-  double low = infinity, high = -infinity;
-
-  double size() const { return high - low; }
-  /// Distance of a height from the span.
-  double away(double z) const { return std::max({low - z, z - high, 0.0}); }
-
- private:
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-};
-
-Span span_of(const std::deque<ProfilePoint>& points, std::size_t count, std::size_t but) {
-  Span span;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i == but) continue;
-    span.low = std::min(span.low, points[i].z);
-    span.high = std::max(span.high, points[i].z);
-  }
-  return span;
-}
-
 struct Unit {
   const char *name, *factor;
   double metres;
@@ -148,8 +123,8 @@ struct Relief {
   }
 };
 
-Relief measure(const std::deque<ProfilePoint>& points, std::size_t used, double length,
-               double thickness) {
+Relief measure(const ProfilePoints& profile, std::size_t used, double length, double thickness) {
+  const auto& points = profile.points;
   Relief relief;
   relief.has_thickness = thickness > 0;
   relief.depth = relief.has_thickness ? thickness : length;
@@ -164,8 +139,8 @@ Relief measure(const std::deque<ProfilePoint>& points, std::size_t used, double 
   relief.slope = std::sqrt(squares * steps) / (points[used - 1].x - points[0].x);
   if (!relief.odd() || points.size() < 4) return relief;
   for (const std::size_t i : {relief.lowest, relief.highest}) {
-    const Span others = span_of(points, points.size(), i);
-    if (others.away(points[i].z) <= far_off * others.size()) continue;
+    const Span others = profile.all_but(i);
+    if (!others.is_far(points[i].z)) continue;
     if (i < used)
       relief.slip = i;
     else
@@ -179,16 +154,10 @@ Relief measure(const std::deque<ProfilePoint>& points, std::size_t used, double 
 LineFault find_disproportion(const ProfilePoints& profile, double length, const Relief& relief) {
   const auto& points = profile.points;
   const std::size_t last = points.size() - 1;
-  if (!profile.has_end && last >= 3) {
-    const Span others = span_of(points, last, last);
-    if (others.away(points[last].z) >
-        std::max(far_off * others.size(), usual_faces::large_share * relief.depth))
-      return {profile.line_of(last),
-              fmt::format("the line has no end, and its height of {:.6g} m is far from all others "
-                          "({:.6g} to {:.6g} m): the file was cut off inside this number. Complete "
-                          "the line, or drop it",
-                          points[last].z, others.low, others.high)};
-  }
+  if (!profile.has_end)
+    if (std::string cut = profile.far_end("m", usual_faces::large_share * relief.depth);
+        !cut.empty())
+      return {profile.line_of(last), std::move(cut)};
   const double range = points[last].x - points[0].x;
   if (range >= longest_share * length) {
     const Unit& unit = likely_unit(range, length);
@@ -202,7 +171,7 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
       relief.height > relief.depth * (relief.has_thickness ? usual_faces::largest_share : 1);
   if (!tall && relief.slope <= usual_faces::steepest) return {0, {}};
   if (relief.slip) {
-    const Span others = span_of(points, points.size(), *relief.slip);
+    const Span others = profile.all_but(*relief.slip);
     return {profile.line_of(*relief.slip),
             fmt::format("a height of {:.6g} m, and all others lie from {:.6g} to {:.6g} m: is "
                         "there a digit missing? Mend the number",
@@ -273,7 +242,7 @@ std::vector<double> read_profile(const std::filesystem::path& file, int nodes, d
   const double wanted = std::ceil(needed / step * (1 - evenness)) + 1;  // points along the beam
   const auto used =
       static_cast<std::size_t>(std::clamp(wanted, 2.0, static_cast<double>(points.size())));
-  const Relief relief = measure(points, used, length, thickness);
+  const Relief relief = measure(profile, used, length, thickness);
   if (LineFault fault = find_disproportion(profile, length, relief); !fault.text.empty())
     refuse(file, {std::move(fault)});
   if (const LineFault odd = find_oddity(profile, length, relief);

@@ -153,6 +153,27 @@ std::size_t ProfilePoints::line_of(std::size_t point) const {
   return run.line + point - run.point;
 }
 
+Span ProfilePoints::all_but(std::size_t point) const {
+  Span span;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (i == point) continue;
+    span.low = std::min(span.low, points[i].z);  // NaN, a missing height, is passed over
+    span.high = std::max(span.high, points[i].z);
+  }
+  return span;
+}
+
+std::string ProfilePoints::far_end(const std::string& unit, double least) const {
+  if (points.size() < 4) return {};
+  const Span others = all_but(points.size() - 1);
+  const double z = points.back().z;
+  if (!others.is_far(z) || !(others.away(z) > least)) return {};
+  return fmt::format(
+      "the line has no end, and its height of {:.6g} {} is far from all others ({:.6g} to {:.6g} "
+      "{}): the file was cut off inside this number. Complete the line, or drop it",
+      z, unit, others.low, others.high, unit);
+}
+
 void ProfilePoints::check_steps(const char* unit) {
   struct Step {
     double length, printed;  // its largest error by printing

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <deque>
@@ -95,6 +96,18 @@ struct ProfilePoint {
   double x, z;  // x is NaN where the line could not be understood
 };
 
+/// Lowest and highest of heights.
+struct Span {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+
+  double size() const { return high - low; }
+  /// Distance of a height from the span.
+  double away(double z) const { return std::max({low - z, z - high, 0.0}); }
+  /// Whether a height is so far away as no height of a face: a number that is cut off inside its
+  /// exponent is off by powers of ten.
+  bool is_far(double z) const { return away(z) > 10 * size(); }
+};
+
 struct ProfilePoints {
   std::deque<ProfilePoint> points;  // which holds no more than they need while it grows
   std::vector<LineFault> faults;
@@ -108,6 +121,10 @@ struct ProfilePoints {
   /// Adds a fault for every x [unit] that does not follow the one before it by the usual (median)
   /// step.
   void check_steps(const char* unit);
+  Span all_but(std::size_t point) const;
+  /// Fault of the last height [unit] of a file whose last line has no end, where it is far from all
+  /// others, by more than `least`; empty where it is not, and of few points.
+  std::string far_end(const std::string& unit, double least) const;
 
  private:
   struct Run {

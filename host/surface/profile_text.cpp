@@ -319,7 +319,12 @@ Profile read_profile_text(const std::filesystem::path& file, const ProfileQuery&
   if (columns.x)
     profile.spacing = (points.back().x - points.front().x) /
                       static_cast<double>(points.size() - 1) * (x_unit ? x_unit->metres : 1);
-  if (read.at_ends.may_be_cut()) profile.doubt = doubt_of_last_line(file);
+  if (read.at_ends.may_be_cut()) {
+    const std::size_t last = points.size() - 1;
+    if (std::string cut = read.far_end(z_unit ? std::string(z_unit->name) : "m", 0); !cut.empty())
+      refuse(file, {{read.line_of(last), std::move(cut)}});
+    profile.doubt = doubt_of_last_line(file);
+  }
   const double metres = z_unit ? z_unit->metres : 1;
   profile.heights.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

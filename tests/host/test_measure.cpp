@@ -382,6 +382,19 @@ TEST_F(SurfaceMeasure, DoubtsAFileThatMayBeCutOffInItsLastNumber) {
   }
 }
 
+/// Inside an exponent a cut is off by powers of ten: that is no matter of units.
+TEST_F(SurfaceMeasure, RefusesAFileThatIsCutOffInsideAnExponent) {
+  for (const char* unit : {"", "x [mm] z [mm]\n"})
+    for (const char* last : {"3.1e-0", "3.1e-", "3.1e", "3", "3.1e-08"}) {
+      std::ofstream(folder.path() / "cut.txt")
+          << unit << "0 1.2e-08\n1e-6 -2.5e-08\n2e-6 0.7e-08\n3e-6 " << last;
+      const bool is_whole = last == std::string("3.1e-08");
+      EXPECT_EQ(run({"cut.txt", "--filter", "none"}), is_whole ? 0 : 2) << last;
+      EXPECT_EQ(err.find("cut off ") == err.npos, is_whole) << last << err;
+      EXPECT_THAT(err, Not(HasSubstr("unit")));
+    }
+}
+
 /// Neither of numbers without a mark nor where their digits vary.
 TEST_F(SurfaceMeasure, DoubtsNoFileForAMissingLineEndAlone) {
   for (const char* text :
