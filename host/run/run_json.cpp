@@ -114,7 +114,7 @@ RunReport report_of_file(const Scene& scene, const std::filesystem::path& file) 
   const ResultContents& contents = reader.contents();
   const ResultSummary& summary = contents.summary;
   RunReport report;
-  static_cast<NoiseFigures&>(report) = summary;
+  static_cast<NoiseFigures&>(report) = static_cast<const NoiseFigures&>(summary);
   report.ending = Ending::there;
   report.beyond_limit = contents.beyond_limit;
   report.time = contents.end;
