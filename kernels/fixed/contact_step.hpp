@@ -246,7 +246,7 @@ class ContactStep {
     Real force[most][packs];
     unsigned acting = 0;
     ContactTotals<Real> first;
-    double work = 0.0, most_force = 0.0;
+    double work = 0.0, most_force = 0.0, most_face_work = 0.0;
     const Place start = place;
     const int stages = most == 1 ? 1 : scheme_.stages;
     for (int i = 0; i < stages; ++i) {
@@ -271,12 +271,15 @@ class ContactStep {
           node_contact_(place, at, listed_nodes_, count, force[i], i == 0);
       if (totals.nodes > 0) acting |= 1u << i;
       if (totals.force > most_force) most_force = totals.force;
+      most_face_work = Kokkos::max(most_face_work, Kokkos::abs(totals.face_work));
       if (i == 0) first = totals;
       lanes_.sync();
     }
     if (!nodes.covers(most_force, most_force)) return false;
     // the record is that of the state at the step; nothing stops the step any more
     recorder.take_contact(first, start, y.step);
+    if constexpr (most > 1)
+      recorder.take_later_stages(most_face_work - Kokkos::abs(first.face_work));
     if (outer_.any_move()) recorder.take_force_work(work);
     y.deflection_work = y.deflection_work + first.deflection_work;
     lanes_.sync();

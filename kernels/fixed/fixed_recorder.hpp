@@ -195,6 +195,12 @@ class FixedRecorder {
     lanes_.sync();
   }
 
+  /// Within a stretch, of a scheme of several stages: what the faces' work at a later one [J/chi]
+  /// is more than at the first. In the step in which a contact begins, only later stages have it,
+  /// and the energy that they give would be one that nothing has supplied.
+  KOKKOS_FORCEINLINE_FUNCTION void take_later_stages(double face_work) {
+    stretch_.gross_face_work += face_work;
+  }
   /// Within a stretch: adds the contact at a step to sums and shocks.
   KOKKOS_FORCEINLINE_FUNCTION void take_contact(const ContactTotals<Real>& totals,
                                                 const Place& place, std::int64_t step) {
