@@ -92,7 +92,7 @@ struct CarriedModes {
 /// Sums over the steps, each in two parts: up to the last sample, and since then.
 struct RunningSums {
   double sliding_work = 0;                 // J
-  double gross_face_work = 0;              // J/chi: sum of |ContactTotals::face_work|
+  double gross_face_work = 0;              // J/chi: sum of the largest |face_work| of a step
   double face_work_part = 0;               // J/chi: see ContactTotals
   double* deflection_work_part = nullptr;  // J/chi, a lane each
   double force_work = 0, force_part = 0;   // J, of the moving forces
@@ -496,7 +496,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
   visit("node_series", s.series.nodes, contacts * 2 * overlap_terms);
   visit("contact_shapes", s.series.shapes, contacts * 4 * lanes);
   visit("one_shape", s.series.one_shape, 4 * lanes);
-  visit("node_moments", s.series.moments, n.cluster_degree > 0 ? contacts * moment_numbers : 0);
+  if (n.node_moments()) visit("node_moments", s.series.moments, contacts * moment_numbers);
   visit("polynomial", s.search.polynomial, std::size_t{overlap_terms});
   visit("bernstein", s.search.bernstein, std::size_t{2 * overlap_terms});
   visit("hulls", s.spans.hulls, contacts);

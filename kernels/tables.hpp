@@ -246,6 +246,8 @@ struct Extents {
   int column_row() const { return row_groups + width; }
   int column_strip() const { return row_heights / width + width + 2; }
   bool adaptive() const { return flight_levels > 0; }
+  /// Whether single nodes in contact add moments up (ModalSeries::expand_by_moments).
+  bool node_moments() const { return adaptive() && rows > 0 && !smooth && lanes > 3 * width; }
   std::size_t series_orders() const { return 1 + static_cast<std::size_t>(higher_orders); }
   /// Rows of lanes, and numbers of the faces, of an expanded node or cell (Caches).
   std::size_t shape_rows() const { return smooth ? 7 : 4; }

@@ -20,8 +20,9 @@ int numerics_version_of(const Scene& scene) {
                : numerics_version;
   if (scene.faces == Faces::smooth) return 7;  // collocation, with sweeps on springs
   // shapes have the terms that a hit on a body at rest asks for; in areal scenes nodes in contact
-  // are gathered in clusters, and the order of the series is chosen
-  return scene.kind == SceneKind::areal ? 5 : 3;
+  // are gathered in clusters, single ones have sums that serve four orders, and the order of the
+  // series is chosen
+  return scene.kind == SceneKind::areal ? 6 : 3;
 }
 
 std::string run_key(const Model& model) {

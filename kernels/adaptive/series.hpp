@@ -307,13 +307,17 @@ class ModalSeries {
     const int n = degree();
     for (int j = 0; j <= n; j += 4) {  // by four: each shape that is read serves all
       Real product[4] = {Real(0.0), Real(0.0), Real(0.0), Real(0.0)};
-      for (int i = 0; i <= 3; ++i) {
-        const double* terms[4];
-        for (int q = 0; q < 4; ++q) terms[q] = row_of(j + q - i);
-        for (int p = 0; p < filled<packs>(lanes_); ++p) {
-          const Real phi = load_pack(lanes_, shape + i * row, p);
-          for (int q = 0; q < 4; ++q)
-            product[q] = multiply_add(phi, load_pack(lanes_, terms[q], p), product[q]);
+      if (sums_moments()) {
+        add_side_by_side(shape, j, product);
+      } else {
+        for (int i = 0; i <= 3; ++i) {
+          const double* terms[4];
+          for (int q = 0; q < 4; ++q) terms[q] = row_of(j + q - i);
+          for (int p = 0; p < filled<packs>(lanes_); ++p) {
+            const Real phi = load_pack(lanes_, shape + i * row, p);
+            for (int q = 0; q < 4; ++q)
+              product[q] = multiply_add(phi, load_pack(lanes_, terms[q], p), product[q]);
+          }
         }
       }
       double sums[4];
@@ -533,10 +537,88 @@ class ModalSeries {
     Real kept_[5][in_registers ? packs : 1];
     const double* rows_[5];
   };
+  /// Areal scenes have so many modes that a sum over them waits for each of its additions, unless
+  /// others are found beside it. There the sums of a node's shapes stand side by side. Plane scenes
+  /// keep the order of additions, and so the bits, that they have always had.
+  KOKKOS_FORCEINLINE_FUNCTION bool sums_moments() const {
+    if constexpr (has_clusters)
+      return buffers_.moments != nullptr;
+    else
+      return false;
+  }
+  /// Adds to product[q] the lanes' parts of the overlap's term of order j + q, from a node's
+  /// shapes: one sum for each of these.
+  RA2D_FUNCTION void add_side_by_side(const double* shape, int j, Real (&product)[4]) const {
+    const double* terms[7];
+    for (int i = 0; i < 7; ++i) terms[i] = row_of(j + 3 - i);
+    Real part[4][4];
+    for (int t = 0; t < 4; ++t)
+      for (int q = 0; q < 4; ++q) part[t][q] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      for (int t = 0; t < 4; ++t) {
+        const Real phi = load_pack(lanes_, shape + t * row, p);
+        for (int q = 0; q < 4; ++q)
+          part[t][q] = multiply_add(phi, load_pack(lanes_, terms[3 - q + t], p), part[t][q]);
+      }
+    for (int q = 0; q < 4; ++q) product[q] = (part[0][q] + part[1][q]) + (part[2][q] + part[3][q]);
+  }
   /// The modes' terms of an order; zeros outside the series.
   KOKKOS_FORCEINLINE_FUNCTION const double* row_of(int order) const {
     return buffers_.modes + (order < 0 || order > order_ ? most_order + 1 : order) * row;
   }
+
+  /// The shapes at `count` contacts from e on, of pack p of the modes.
+  template <int terms, int count>
+  struct ContactShapes {
+    Real phi[count][terms];
+    KOKKOS_FORCEINLINE_FUNCTION ContactShapes(const ModalSeries& series, int e, int p) {
+      const double* const shapes = series.buffers_.shapes + e * (4 * row);
+      for (int i = 0; i < count; ++i)
+        for (int t = 0; t < terms; ++t)
+          phi[i][t] = load_pack(series.lanes_, shapes + i * (4 * row) + t * row, p);
+    }
+  };
+  /// The lanes' parts of M_t(j) and M_t(j + 1) of contacts.
+  template <int terms, int count>
+  struct Moments {
+    Real of[count][terms][2];
+    KOKKOS_FORCEINLINE_FUNCTION Moments() {
+      for (int i = 0; i < count; ++i)
+        for (int t = 0; t < terms; ++t) of[i][t][0] = of[i][t][1] = Real(0.0);
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void add(const ContactShapes<terms, count>& at, const Real& even,
+                                         const Real& odd) {
+      for (int i = 0; i < count; ++i)
+        for (int t = 0; t < terms; ++t) {
+          of[i][t][0] = multiply_add(at.phi[i][t], even, of[i][t][0]);
+          of[i][t][1] = multiply_add(at.phi[i][t], odd, of[i][t][1]);
+        }
+    }
+  };
+  /// The springs' terms of contacts that act on the modes' orders j and j + 1.
+  template <int terms, int count>
+  struct Springs {
+    double f[count][terms + 1];  // of the orders j + 1 to j + 1 - terms
+    KOKKOS_FORCEINLINE_FUNCTION Springs(const ModalSeries& series, int e, int j,
+                                        const double (&sums)[count][4]) {
+      const double stiffness = series.contact_.node_stiffness;
+      for (int i = 0; i < count; ++i) {
+        const double* const o = series.overlap(e + i);
+        f[i][0] = -stiffness * sums[i][2];
+        f[i][1] = -stiffness * sums[i][0];
+        for (int before = 1; before < terms; ++before)
+          f[i][before + 1] = j >= before ? -stiffness * o[j - before] : 0.0;
+      }
+    }
+    KOKKOS_FORCEINLINE_FUNCTION void add(const ContactShapes<terms, count>& at, Real& even,
+                                         Real& odd) const {
+      for (int i = 0; i < count; ++i)
+        for (int t = terms - 1; t >= 0; --t) {
+          even = multiply_add(f[i][t + 1], at.phi[i][t], even);
+          odd = multiply_add(f[i][t], at.phi[i][t], odd);
+        }
+    }
+  };
 
   /// Terms of the orders j and j + 1 of the overlaps of `count` contacts from e on, and of their
   /// sliding rates. Adds their springs' force on the modes, of these orders.
@@ -580,7 +662,8 @@ class ModalSeries {
     for (int i = 0; i < count; ++i)
       four_sums_in_pairs(lanes_, {product[i][0], rising[i][0], product[i][1], rising[i][1]},
                          sums[i]);
-    take_overlaps<terms, count>(e, j, place, advance, sums, force);
+    keep_overlaps(e, j, place, advance, sums);
+    if (j + 2 <= order_) add_contact_forces<terms, count>(e, j, sums, force);
   }
   /// As expand_contacts(), from M_t(j): the sum of the t-th terms of the shapes with the modes'
   /// terms of order j. Each serves four orders: o_j = M_0(j) + M_1(j - 1) + ..., and the sliding
@@ -589,25 +672,23 @@ class ModalSeries {
   KOKKOS_FORCEINLINE_FUNCTION void expand_by_moments(int e, int j, const Place& place,
                                                      double advance, const LatestTerms& c,
                                                      Real (&force)[2][packs]) {
-    const double* const shapes = buffers_.shapes + e * (4 * row);
-    Real part[count][terms][2];
-    for (int i = 0; i < count; ++i)
-      for (int t = 0; t < terms; ++t) part[i][t][0] = part[i][t][1] = Real(0.0);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const Real first = c(0, p), second = c(-1, p);
-      for (int i = 0; i < count; ++i)
-        for (int t = 0; t < terms; ++t) {
-          const Real phi = load_pack(lanes_, shapes + i * (4 * row) + t * row, p);
-          part[i][t][0] = multiply_add(phi, first, part[i][t][0]);
-          part[i][t][1] = multiply_add(phi, second, part[i][t][1]);
-        }
-    }
+    Moments<terms, count> part;
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      part.add(ContactShapes<terms, count>(*this, e, p), c(0, p), c(-1, p));
     double sums[count][4];
+    take_moments<terms, count>(e, j, part, sums);
+    keep_overlaps(e, j, place, advance, sums);
+    if (j + 2 <= order_) add_contact_forces<terms, count>(e, j, sums, force);
+  }
+  /// The sums of `count` contacts from e on, of orders j and j + 1, from their moments.
+  template <int terms, int count>
+  KOKKOS_FORCEINLINE_FUNCTION void take_moments(int e, int j, const Moments<terms, count>& part,
+                                                double (&sums)[count][4]) const {
     for (int i = 0; i < count; ++i) {
       double m[terms][5];  // of the orders j + 1 to j - 3
       double* const before = buffers_.moments + (e + i) * moment_numbers;
       for (int t = 0; t < terms; ++t) {
-        lanes_.sum(part[i][t][0], part[i][t][1], m[t][1], m[t][0]);
+        lanes_.sum(part.of[i][t][0], part.of[i][t][1], m[t][1], m[t][0]);
         for (int b = 0; b < 3; ++b) m[t][2 + b] = j > 0 ? before[3 * t + b] : 0.0;
       }
       for (int q = 0; q < 2; ++q) {
@@ -624,15 +705,12 @@ class ModalSeries {
         for (int t = 1; t < terms; ++t)
           for (int b = 0; b < 3; ++b) before[3 * t + b] = m[t][b];
     }
-    take_overlaps<terms, count>(e, j, place, advance, sums, force);
   }
-  /// Takes the sums of `count` contacts from e on, of the modes' terms: overlap and sliding rate of
-  /// order j, then of j + 1.
-  template <int terms, int count>
-  KOKKOS_FORCEINLINE_FUNCTION void take_overlaps(int e, int j, const Place& place, double advance,
-                                                 double (&sums)[count][4],
-                                                 Real (&force)[2][packs]) const {
-    double overs[count][2];
+  /// Keeps the sums of `count` contacts from e on, with the faces' terms: overlap and sliding rate
+  /// of order j, then of j + 1.
+  template <int count>
+  KOKKOS_FORCEINLINE_FUNCTION void keep_overlaps(int e, int j, const Place& place, double advance,
+                                                 double (&sums)[count][4]) const {
     for (int i = 0; i < count; ++i) {
       if (j == 0) {
         const int node = contacts_.nodes[e + i];
@@ -641,8 +719,6 @@ class ModalSeries {
         sums[i][1] += rise;
         sums[i][2] += rise;
       }
-      overs[i][0] = sums[i][0];
-      overs[i][1] = sums[i][2];
       if (lanes_.leader())
         for (int q = 0; q < 2; ++q) {
           overlap(e + i)[j + q] = sums[i][2 * q];
@@ -650,33 +726,15 @@ class ModalSeries {
         }
     }
     lanes_.sync();
-    if (j + 2 <= order_) add_contact_forces<terms, count>(e, j, overs, force);
   }
-  /// Adds the springs' force of these contacts, of the orders j and j + 1; `overs`: the overlaps'
-  /// terms of these.
+  /// Adds the springs' force of these contacts, of the orders j and j + 1; `sums` as they were
+  /// kept.
   template <int terms, int count>
-  KOKKOS_FORCEINLINE_FUNCTION void add_contact_forces(int e, int j, const double (&overs)[count][2],
+  KOKKOS_FORCEINLINE_FUNCTION void add_contact_forces(int e, int j, const double (&sums)[count][4],
                                                       Real (&force)[2][packs]) const {
-    const double* const shapes = buffers_.shapes + e * (4 * row);
-    double f[count][terms + 1];  // of the orders j + 1 to j + 1 - terms
-    for (int i = 0; i < count; ++i) {
-      const double* const o = overlap(e + i);
-      f[i][0] = -contact_.node_stiffness * overs[i][1];
-      f[i][1] = -contact_.node_stiffness * overs[i][0];
-      for (int before = 1; before < terms; ++before)
-        f[i][before + 1] = j >= before ? -contact_.node_stiffness * o[j - before] : 0.0;
-    }
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      Real sum[2] = {force[0][p], force[1][p]};
-      for (int i = 0; i < count; ++i)
-        for (int term = terms - 1; term >= 0; --term) {
-          const Real phi = load_pack(lanes_, shapes + i * (4 * row) + term * row, p);
-          sum[0] = multiply_add(f[i][term + 1], phi, sum[0]);
-          sum[1] = multiply_add(f[i][term], phi, sum[1]);
-        }
-      force[0][p] = sum[0];
-      force[1][p] = sum[1];
-    }
+    const Springs<terms, count> springs(*this, e, j, sums);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      springs.add(ContactShapes<terms, count>(*this, e, p), force[0][p], force[1][p]);
   }
 
   /// As expand(), with the nodes in contact in clusters. False where these would not save anything,
@@ -728,22 +786,36 @@ class ModalSeries {
   /// Bound on what is left out of an overlap, as a share of the tolerance times the modes' way.
   static constexpr double bearable_share = 0.03;
 
+  /// The term of order i + 2 of a mode from those of the orders i, `term`, and i + 1, `next`, and
+  /// the force's, f.
+  struct Recursion {
+    double share, rank;
+    KOKKOS_FORCEINLINE_FUNCTION explicit Recursion(int i)
+        : share{1.0 / ((i + 1.0) * (i + 2.0))}, rank{i + 1.0} {}
+    KOKKOS_FORCEINLINE_FUNCTION Real operator()(const Real& stiff, const Real& decay,
+                                                const Real& inverse_mass, const Real& term,
+                                                const Real& next, const Real& f) const {
+      const Real pulled = multiply_add(stiff, term, Real(rank) * decay * next);
+      return Real(share) * multiply_add(inverse_mass, f, Real(-1.0) * pulled);
+    }
+  };
+
   /// `terms` of the shapes at a node; of clusters, the degree of their polynomials. By two orders:
   /// the second of them needs nothing of the first but its terms of the modes.
   template <int terms, bool in_clusters = false>
   RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
+    if constexpr (has_clusters && !in_clusters)
+      if (sums_moments()) {
+        if (contacts_.count == 1) return expand_few<terms, 1>(u, v, place);
+        if constexpr (at_once == 2)
+          if (contacts_.count == 2) return expand_few<terms, 2>(u, v, place);
+      }
     const double scale = scale_;
-    const int order = order_, contacts = contacts_.count;
+    const int order = order_, contacts = contacts_.count, modal_packs = filled<packs>(lanes_);
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
     Real stiff[packs], decay[packs], inverse_mass[packs];
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      put(0, p, u[p]);
-      put(1, p, Real(scale) * v[p]);
-      const Real turn = Real(scale) * load_pack(lanes_, modes_.omega, p);
-      stiff[p] = turn * turn;
-      decay[p] = Real(scale) * load_pack(lanes_, adaptive_.decay, p);
-      inverse_mass[p] = Real(scale * scale) * load_pack(lanes_, adaptive_.inverse_mass, p);
-    }
+    for (int p = 0; p < modal_packs; ++p)
+      begin_terms(p, u[p], v[p], stiff[p], decay[p], inverse_mass[p]);
     LatestTerms c(*this);
     const int last = contacts > 0 ? degree() : order - 2;
     for (int j = 0; j <= last; j += 2) {
@@ -762,7 +834,7 @@ class ModalSeries {
       } else {
         int e = 0;
         if constexpr (has_clusters)
-          if (clusters_.degree() > 0) {
+          if (sums_moments()) {
             for (; e + at_once <= contacts; e += at_once)
               expand_by_moments<terms, at_once>(e, j, place, advance, c, force);
             for (; e < contacts; ++e) expand_by_moments<terms, 1>(e, j, place, advance, c, force);
@@ -772,25 +844,84 @@ class ModalSeries {
             expand_contacts<terms, at_once>(e, j, place, advance, c, force);
         for (; e < contacts; ++e) expand_contacts<terms, 1>(e, j, place, advance, c, force);
       }
-      const auto after = [&](int i, const Real& term, const Real& next, const Real& f, int p) {
-        const Real share(1.0 / ((i + 1.0) * (i + 2.0))), rank(i + 1.0);
-        const Real pulled = multiply_add(stiff[p], term, rank * decay[p] * next);
-        return share * multiply_add(inverse_mass[p], f, Real(-1.0) * pulled);
-      };
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        Real even(0.0), odd(0.0);  // of order j + 2 and j + 3; what is beyond the last is zero
-        if (j + 2 <= order) {
-          even = after(j, c(0, p), c(-1, p), force[0][p], p);
-          put(j + 2, p, even);
+      // of order j + 2 and j + 3; what is beyond the last is zero
+      const bool has_even = j + 2 <= order, has_odd = j + 3 <= order;
+      const Recursion even_of(has_even ? j : 0), odd_of(has_odd ? j + 1 : 0);
+      double* const evens = buffers_.modes + (j + 2) * row;
+      for (int p = 0; p < modal_packs; ++p) {
+        Real even(0.0), odd(0.0);
+        if (has_even) {
+          even = even_of(stiff[p], decay[p], inverse_mass[p], c(0, p), c(-1, p), force[0][p]);
+          lanes_.store(evens + p * width, even);
         }
-        if (j + 3 <= order) {
-          odd = after(j + 1, c(-1, p), even, force[1][p], p);
-          put(j + 3, p, odd);
+        if (has_odd) {
+          odd = odd_of(stiff[p], decay[p], inverse_mass[p], c(-1, p), even, force[1][p]);
+          lanes_.store(evens + row + p * width, odd);
         }
         c.take(p, even, odd);
       }
       c.go_to(j + 2);
     }
+  }
+
+  /// As expand_terms(), of so few contacts that all their moments are in registers: for two orders
+  /// one loop over the modes. It gives each pack its force and its next terms, and adds these to
+  /// the moments that the following orders begin with.
+  template <int terms, int count>
+  RA2D_FUNCTION void expand_few(const Real* u, const Real* v, const Place& place) {
+    const double scale = scale_;
+    const int order = order_, last = degree(), modal_packs = filled<packs>(lanes_);
+    const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
+    Real stiff[packs], decay[packs], inverse_mass[packs];
+    Moments<terms, count> part;
+    for (int p = 0; p < modal_packs; ++p) {
+      begin_terms(p, u[p], v[p], stiff[p], decay[p], inverse_mass[p]);
+      part.add(ContactShapes<terms, count>(*this, 0, p), u[p], Real(scale) * v[p]);
+    }
+    for (int j = 0; j <= last; j += 2) {
+      double sums[count][4];
+      take_moments<terms, count>(0, j, part, sums);
+      keep_overlaps(0, j, place, advance, sums);
+      part = Moments<terms, count>();
+      if (j + 2 > order) continue;
+      const bool has_odd = j + 3 <= order;
+      const Springs<terms, count> springs(*this, 0, j, sums);
+      const Recursion even_of(j), odd_of(has_odd ? j + 1 : 0);
+      double* const rows = buffers_.modes + j * row;
+      for (int p = 0; p < modal_packs; ++p) {
+        const ContactShapes<terms, count> at(*this, 0, p);
+        double* const of_pack = rows + p * width;
+        Real force[2];
+        for (int q = 0; q < 2; ++q) force[q] = outer_force(j + q, p);
+        springs.add(at, force[0], force[1]);
+        const Real now = lanes_.load(of_pack), next = lanes_.load(of_pack + row);
+        const Real even = even_of(stiff[p], decay[p], inverse_mass[p], now, next, force[0]);
+        lanes_.store(of_pack + 2 * row, even);
+        Real odd(0.0);
+        if (has_odd) {
+          odd = odd_of(stiff[p], decay[p], inverse_mass[p], next, even, force[1]);
+          lanes_.store(of_pack + 3 * row, odd);
+        }
+        part.add(at, even, odd);
+      }
+    }
+  }
+  /// Keeps the first two terms of pack p of the modes, and finds what the others take of it.
+  KOKKOS_FORCEINLINE_FUNCTION void begin_terms(int p, const Real& u, const Real& v, Real& stiff,
+                                               Real& decay, Real& inverse_mass) const {
+    const Real turn = Real(scale_) * load_pack(lanes_, modes_.omega, p);
+    put(0, p, u);
+    put(1, p, Real(scale_) * v);
+    stiff = turn * turn;
+    decay = Real(scale_) * load_pack(lanes_, adaptive_.decay, p);
+    inverse_mass = Real(scale_ * scale_) * load_pack(lanes_, adaptive_.inverse_mass, p);
+  }
+  /// The j-th term of load and moving forces.
+  KOKKOS_FORCEINLINE_FUNCTION Real outer_force(int j, int p) const {
+    Real force = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
+    if (forces_.count > 0 && j <= order_)
+      force = force + load_pack(lanes_, buffers_.forces + j * row, p);
+    return force;
   }
 
   /// An expanded node's shapes about where it stands, the i-th times advance^i.
