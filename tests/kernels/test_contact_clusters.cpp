@@ -208,15 +208,24 @@ TEST_P(Clusters, LeaveSingleNodesTheirOwnSums) {
     ASSERT_LT(moments.cluster_of(m.s.carried.contacts.nodes[0]), 0);
     const Made by_moments(m, contacts);
     const double end = std::min(1.0, moments.usable_length(tolerance));
+    const int free = m.number(1, dice.pick(120));
+    std::array<double, overlap_terms> side_by_side, in_turn;
+    ASSERT_TRUE(moments.expand_nodes(place, &free, 1));
+    moments.overlap_of(free, place, side_by_side.data());
     double* const buffer = std::exchange(m.s.work.series.moments, nullptr);
     Series plain = m.modal_series();
     ASSERT_TRUE(plain.expand(m.u.data(), m.v.data(), place, scale));
     const Made single(m, contacts);
+    ASSERT_TRUE(plain.expand_nodes(place, &free, 1));
+    plain.overlap_of(free, place, in_turn.data());
     m.s.work.series.moments = buffer;
     ASSERT_EQ(moments.wanted_terms(), plain.wanted_terms());
     ++terms[moments.wanted_terms()];
     const double moved = m.of_lanes(m.t.bounds.largest_shape, m.v) * scale,
                  rounding = 256 * eps * (m.of_lanes(m.t.bounds.largest_shape, m.u) + moved + 1e-6);
+    EXPECT_NEAR(polynomial(side_by_side.data(), moments.degree(), end),
+                polynomial(in_turn.data(), plain.degree(), end), rounding)
+        << "trial " << trial;
     for (int e = 0; e < contacts; ++e)
       for (int rate = 0; rate < 2; ++rate) {
         const int at = (2 * e + rate) * overlap_terms;
