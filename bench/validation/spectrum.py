@@ -339,8 +339,9 @@ def draw(case, found, curves):
     falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]",
                 ylabel="dB re 1 nm/s",
                 xlim=(1.7, 38), xscale="log")
-    style.decades(falling.xaxis)
-    falling.set_xticks([1e6 * spacing for spacing in SPACINGS if spacing != 14e-6])
+    ticks = [1e6 * spacing for spacing in SPACINGS if spacing != 14e-6]
+    falling.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    falling.set_xticks([], minor=True)
     falling.legend(loc="lower right")
     case.figure(figure)
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Pictures and pages: nothing overlaps, nothing is dropped, nothing comes from elsewhere."""
+import ast
 import itertools
 import math
 import pathlib
@@ -404,3 +405,14 @@ def test_a_head_is_wrapped_to_three_lines():
     figure, _ = style.page(10, 5, [("word " * 20_000, 13.0, "bold", style.BLACK)])
     shown = [text.get_text() for text in figure.subfigs[0].texts]
     assert len(shown) == 3 and shown[-1].endswith("\u2026")
+
+
+def test_scripts_draw_with_names_that_there_are():
+    """The figures of bench take hours to make, so no test draws them."""
+    scripts = sorted((pathlib.Path(__file__).resolve().parents[3] / "bench").rglob("*.py"))
+    used = {(script.name, node.attr) for script in scripts
+            for node in ast.walk(ast.parse(script.read_text()))
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)
+            and node.value.id == "style"}
+    assert len(used) > 40
+    assert [(script, name) for script, name in used if not hasattr(style, name)] == []
