@@ -393,14 +393,14 @@ class AdaptiveMarch {
       if (goes) {
         enter(evaluate);
         flagged = evaluate_and_flag(place, there, ticks, bounds, rise);
-        if (!overlaps_.has_room(flagged)) [[unlikely]]
-          return fail(Status::crowded);
         if (flagged == 0) break;
-        if (!in_series) {
+        if (!in_series) {  // over a long flight they may be most of the nodes
           expands = true;
           continue;
         }
       }
+      if (!overlaps_.has_room(flagged)) [[unlikely]]
+        return fail(Status::crowded);
       enter(onsets);
       const double first = overlaps_.search(series_, place, flagged, end, tolerance);
       if (first < 0.0) [[unlikely]]
