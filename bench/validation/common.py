@@ -141,6 +141,7 @@ def pictures():
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     from ra2d import style
+    matplotlib.rcParams.update(style.RC)
     return plt, style
 
 

@@ -336,7 +336,7 @@ def draw(case, found, curves):
                          marker=mark, ms=4, lw=1.2,
                          capsize=2, label=f"{load} weights" if load != 1 else "its weight")
     falling.axvspan(0.1e6 / NATURAL[-1], 40, color=style.GREY, alpha=0.12, lw=0)
-    falling.set(title="Tone of the mesh (grey: within the plate's modes)", xlabel="spacing [um]",
+    falling.set(title="Tone of the mesh (grey: the plate's modes)", xlabel="spacing [um]",
                 ylabel="dB re 1 nm/s",
                 xlim=(1.7, 38), xscale="log")
     ticks = [1e6 * spacing for spacing in SPACINGS if spacing != 14e-6]
