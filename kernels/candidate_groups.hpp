@@ -189,7 +189,8 @@ class CandidateGroups {
 
   KOKKOS_FORCEINLINE_FUNCTION int count() const { return count_; }
   KOKKOS_FORCEINLINE_FUNCTION int operator[](int e) const { return lists_.groups[e]; }
-  /// How far the modes have travelled since the list was made [m]; 1e300 in another spacing.
+  /// How far the modes have travelled since the list was made (moved) [m]; 1e300 in another
+  /// spacing.
   RA2D_FUNCTION double travelled(const Real* u, const Place& place) const {
     return place.base == base_ ? moved(lists_.reference_u, u, place) : 1e300;
   }
@@ -227,9 +228,8 @@ class CandidateGroups {
     const double below = range_ + error;
     const bool by_footprint = footprint().exists();
     if (by_footprint) footprint().expand(place, u, lists_.footprint);
-    // the motion since then, raised by the roundings of both displacements
-    double coarse_below =
-        (1.0 + 0x1p-43) * moved(lists_.coarse_reference_u, u, place) + below + error;
+    // with the motion since then
+    double coarse_below = moved(lists_.coarse_reference_u, u, place) + below + error;
     // On maps a list that still holds is made anew once going through it in vain has cost more than
     // making it.
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
@@ -282,12 +282,15 @@ class CandidateGroups {
   KOKKOS_FORCEINLINE_FUNCTION const double* rows(int patch) const {
     return patches_.derivatives + static_cast<std::int64_t>(patch) * 4 * packs * width;
   }
-  /// How far the modes have moved any node since a list was made at the displacements `from` [m].
+  /// How far the modes have moved any node towards contact since a list was made at the
+  /// displacements `from` [m]. Between smooth faces how far at all: what they add to the overlap
+  /// in a cell (modes_sag) counts, too.
   KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u,
                                            const Place& place) const {
     Real away[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
-    return footprint().most(place, away);
+    return faces_.smooth ? (1.0 + 0x1p-43) * footprint().most(place, away)
+                         : footprint().most_raised(place, away);
   }
   KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
     return {lanes_, bounds_};

@@ -72,20 +72,37 @@ class Footprint {
     if constexpr (can_exist)
       if (exists()) {
         const Real* const one[] = {x};
-        double bound[1];
-        sum_terms<1>(place, limits_.footprint.remainder, one, bound);
+        double bound[1], first[1];
+        sum_terms<1>(place, limits_.footprint.remainder, one, bound, first);
         return bound[0];
       }
     return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
   }
-  /// The largest of such bounds on three displacements, with of the slider's modes only what they
-  /// differ by from the middle of a group of nodes. There must be a footprint.
-  RA2D_FUNCTION double most_in_group(const Place& place, const Real* x, const Real* y,
-                                     const Real* z) const {
-    const Real* const all[] = {x, y, z};
-    double bound[3];
-    sum_terms<3>(place, limits_.footprint.remainder_in_group, all, bound);
-    return Kokkos::max(Kokkos::max(bound[0], bound[1]), bound[2]);
+  /// Bound on sum_k psi_k x_k itself: what moves all nodes alike, the first polynomial and the
+  /// slider's heave, counts with its sign. Raised by its own roundings.
+  RA2D_FUNCTION double most_raised(const Place& place, const Real* x) const {
+    constexpr double roundings = 0x1p-43;
+    if constexpr (can_exist)
+      if (exists()) {
+        const Real* const one[] = {x};
+        double bound[1], first[1];
+        sum_terms<1>(place, limits_.footprint.remainder, one, bound, first);
+        Real part(0.0);
+        for (int p = 0; p < filled<packs>(lanes_); ++p)
+          part = multiply_add(load_pack(lanes_, limits_.footprint.alike, p), x[p], part);
+        const double heave = lanes_.sum(part);
+        return (1.0 + roundings) * bound[0] +
+               2.0 * (Kokkos::min(first[0], 0.0) + Kokkos::min(heave, 0.0));
+      }
+    return (1.0 + roundings) * most(place, x);
+  }
+  /// As most(), of some displacements, with of the slider's modes only what they differ by from the
+  /// middle of a group of nodes. There must be a footprint.
+  template <int count>
+  RA2D_FUNCTION void most_in_group(const Place& place, const Real* const (&x)[count],
+                                   double (&bound)[count]) const {
+    double first[count];
+    sum_terms<count>(place, limits_.footprint.remainder_in_group, x, bound, first);
   }
 
   /// Writes the sums c_ab = sum_k Phi_kab x_k over the resonator's modes to `to` (term).
@@ -93,12 +110,17 @@ class Footprint {
     if constexpr (can_exist) {
       const double* const phi = rows_at(place);
       lanes_.sync();
-      for (int t = 0; t < limits_.footprint.terms; ++t) {
-        Real part(0.0);
-        for (int p = 0; p < filled<packs>(lanes_); ++p)
-          part = multiply_add(load_pack(lanes_, phi + t * row, p), x[p], part);
-        const double sum = lanes_.sum(part);
-        if (lanes_.leader()) to[t] = sum;
+      for (int t = 0; t < limits_.footprint.terms; t += footprint_side_by_side) {
+        Real part[1][footprint_side_by_side];
+        const Real* const one[] = {x};
+        sum_side_by_side<1>(phi + t * row, one, part);
+        for (int s = 0; s < footprint_side_by_side; s += 2) {
+          double sums[2];
+          lanes_.sum(part[0][s], part[0][s + 1], sums[0], sums[1]);
+          if (!lanes_.leader()) continue;
+          to[t + s] = sums[0];
+          to[t + s + 1] = sums[1];
+        }
       }
       lanes_.sync();
     }
@@ -164,29 +186,38 @@ class Footprint {
     return tables.rows + static_cast<std::int64_t>(place_of(place)) * tables.terms * row;
   }
 
+  /// Bounds on |sum_k psi_k x_k|, and the first term of each.
   template <int count>
   RA2D_FUNCTION void sum_terms(const Place& place, const double* remainder,
-                               const Real* const (&x)[count], double (&bound)[count]) const {
+                               const Real* const (&x)[count], double (&bound)[count],
+                               double (&first)[count]) const {
     const FootprintTables& tables = limits_.footprint;
     const double* const phi = rows_at(place);
     for (int i = 0; i < count; ++i) bound[i] = weighted_sum<Lanes, packs>(lanes_, remainder, x[i]);
-    // side by side: one sum by itself waits for each addition
     for (int t = 0; t < tables.terms; t += footprint_side_by_side) {
       Real part[count][footprint_side_by_side];
-      for (int i = 0; i < count; ++i)
-        for (int s = 0; s < footprint_side_by_side; ++s) part[i][s] = Real(0.0);
-      for (int p = 0; p < filled<packs>(lanes_); ++p)
-        for (int s = 0; s < footprint_side_by_side; ++s) {
-          const Real shape = load_pack(lanes_, phi + (t + s) * row, p);
-          for (int i = 0; i < count; ++i) part[i][s] = multiply_add(shape, x[i][p], part[i][s]);
-        }
+      sum_side_by_side<count>(phi + t * row, x, part);
       for (int i = 0; i < count; ++i)
         for (int s = 0; s < footprint_side_by_side; s += 2) {
           double one, other;
           lanes_.sum(part[i][s], part[i][s + 1], one, other);
+          if (t + s == 0) first[i] = one;
           bound[i] += Kokkos::abs(one) + Kokkos::abs(other);
         }
     }
+  }
+  /// The lanes' parts of the sums of some terms: one sum by itself waits for each addition.
+  template <int count>
+  KOKKOS_FORCEINLINE_FUNCTION void sum_side_by_side(
+      const double* phi, const Real* const (&x)[count],
+      Real (&part)[count][footprint_side_by_side]) const {
+    for (int i = 0; i < count; ++i)
+      for (int s = 0; s < footprint_side_by_side; ++s) part[i][s] = Real(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      for (int s = 0; s < footprint_side_by_side; ++s) {
+        const Real shape = load_pack(lanes_, phi + s * row, p);
+        for (int i = 0; i < count; ++i) part[i][s] = multiply_add(shape, x[i][p], part[i][s]);
+      }
   }
 };
 

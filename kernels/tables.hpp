@@ -389,6 +389,7 @@ struct FootprintTables {
   // what they leave out of a shape, roundings as well; of the slider's modes all, or what is left
   // where a group's middle is followed
   const double *remainder = nullptr, *remainder_in_group = nullptr;
+  const double* alike = nullptr;  // the shape of the slider's modes that move all nodes alike, or 0
 };
 /// Terms that are summed together.
 inline constexpr int footprint_side_by_side = 4;
@@ -456,7 +457,8 @@ struct ClusterTables {
 /// Free flight of any length, under the adaptive scheme.
 struct FlightTables {
   int levels = 0;
-  int first_level = 0;  // they are of 2^first_level, 2^(first_level + 1), ... ticks
+  int first_level = 0;    // they are of 2^first_level, 2^(first_level + 1), ... ticks
+  int elastic_packs = 0;  // the first, up to one with a rigid mode
   double fourth_derivative_at_rest = 0;  // m/s^4, where the load holds the modes: Flight::bounds
   const double* rows = nullptr;          // (level, FlightRow, lane)
   const double* rest = nullptr;          // m^(3/2), where the load holds a mode; 0 for a rigid one
@@ -576,6 +578,7 @@ void visit_own_arrays(SceneTables& t, const Extents& n, Visit&& visit) {
       visit("footprint", t.bounds.footprint.rows, n.footprint_places * n.footprint_terms * lanes);
       visit("footprint_remainder", t.bounds.footprint.remainder, lanes);
       visit("footprint_remainder_in_group", t.bounds.footprint.remainder_in_group, lanes);
+      visit("footprint_alike", t.bounds.footprint.alike, lanes);
     }
     if (n.cluster_degree > 0)
       visit("cluster_across", t.clusters.across,

@@ -157,6 +157,7 @@ void Filler::numbers() {
   tables_.faces.smooth = n_.smooth;
   tables_.patches.count = n_.patches;
   tables_.flight.levels = n_.flight_levels;
+  tables_.flight.elastic_packs = n_.lanes / n_.width;
   tables_.patches.inverse_nodes = 1.0 / tables_.patches.nodes;
   tables_.forces.count = n_.moving_forces;
   tables_.bounds.searched = scene_.time.nodes;
@@ -322,6 +323,7 @@ void Filler::flight_of(const ModeOnLane& mode) {
   host_(tables_.adaptive.decay)[lane] = 2.0 * oscillator.zeta * omega;
   host_(tables_.adaptive.passing_rate)[lane] = passing;
   if (omega == 0.0) {
+    tables_.flight.elastic_packs = std::min(tables_.flight.elastic_packs, lane / n_.width);
     host_(tables_.flight.free_acceleration)[lane] = mode.load / oscillator.mass;
     host_(tables_.flight.displacement_per_energy_norm)[lane] = 1e300;
   } else {

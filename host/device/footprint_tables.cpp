@@ -155,7 +155,9 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
               0.0);
   double* const remainder = host(tables.remainder);
   double* const in_group = host(tables.remainder_in_group);
+  double* const alike = host(tables.alike);
   std::fill_n(remainder, n.lanes, 0.0);
+  std::fill_n(alike, n.lanes, 0.0);
   std::ranges::copy(remainders(model, shape), remainder);
   std::copy_n(remainder, n.lanes, in_group);
   double* const in_tile = host(bounds.tile_variation);
@@ -166,6 +168,7 @@ void fill_footprint(MotionLimits& bounds, const Model& model, const Extents& n,
     remainder[lane] = (1.0 + roundings) * mode.size();
     in_group[lane] =
         mode.largest_slope(0) * 0.5 * n.width * model.scene.spacing + roundings * mode.size();
+    if (mode.change_rate() == 0 && mode.across_rate() == 0) mode.evaluate(0, 1, &alike[lane]);
   }
   for (std::size_t k = 0; k < model.resonator.modes.size(); ++k) {
     const ModeShape& mode = *model.resonator.modes[k].shape;

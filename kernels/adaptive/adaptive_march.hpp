@@ -322,6 +322,7 @@ class AdaptiveMarch {
                                                 bool free) {
     MotionBounds bounds;
     std::int64_t ticks = 0;           // of the step
+    std::int64_t selected_ticks = 0;  // for which groups have been selected
     int level = 0;                    // of the next flight
     double usable_time = 0.0;         // s: of the series
     double end = 0.0, release = 0.0;  // x of the series: of the step, and where a contact ends
@@ -388,6 +389,7 @@ class AdaptiveMarch {
                    : overlaps_.longest_rise(now_.u, bounds, ticks);
         overlaps_.find_groups(place, now_, bounds, rise, available - ticks);
         overlaps_.select(place, now_.u, bounds, rise, ticks);
+        selected_ticks = ticks;
         if (free && !(bounds.size < 1e300)) return fail(Status::not_finite);
       }
       if (goes) {
@@ -412,6 +414,8 @@ class AdaptiveMarch {
       if (!contacts_.can_take(flagged, end)) return fail(Status::crowded);
     }
 
+    if (onset || clear || ticks != selected_ticks)
+      overlaps_.end_at(place, now_, there, bounds, ticks);
     enter(record);
     if (free) {
       if (!record_flight(ticks, there)) return false;
@@ -434,9 +438,9 @@ class AdaptiveMarch {
       }
     }
     lanes_.sync();
-    if (free && (onset || clear))
+    if (free && (onset || clear) && !overlaps_.knows_footprint())
       overlaps_.forget_start();  // the flight ends where its series does
-    else if (onset)
+    else if (onset || clear)
       overlaps_.discard_start();
     else
       keep_overlaps(place);

@@ -83,16 +83,31 @@ class Flight {
     RA2D_CHECK(level >= 0 && level < flight_.levels);
     const double* rows =
         flight_.rows + static_cast<std::int64_t>(level) * (flight_rows * packs * width);
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * packs + p) * width); };
-      const Real d = u[p] - load_pack(lanes_, flight_.rest, p), w = v[p];
-      u[p] =
-          u[p] + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, row(flight_u)));
-      v[p] = multiply_add(row(flight_v_u), d, multiply_add(row(flight_v_v), w, row(flight_v)));
-      const Real of_d = multiply_add(row(flight_s_uu), d, row(flight_s_uv) * w);
-      const Real of_w = multiply_add(row(flight_s_vv), w, row(flight_s_v));
-      square[p] = square[p] + multiply_add(of_d, d, multiply_add(of_w, w, row(flight_s)));
-    }
+    const int elastic = has_many_packs<Lanes, packs>
+                            ? Kokkos::min(flight_.elastic_packs, filled<packs>(lanes_))
+                            : 0;
+    for (int p = 0; p < elastic; ++p) advance_pack<false>(rows, p, u[p], v[p], square[p]);
+    for (int p = elastic; p < filled<packs>(lanes_); ++p)
+      advance_pack<true>(rows, p, u[p], v[p], square[p]);
+  }
+  /// `falls`: whether there are rigid modes. Of elastic ones the rows that go with the 1 are zero:
+  /// to read the table is most of the work.
+  template <bool falls>
+  KOKKOS_FORCEINLINE_FUNCTION void advance_pack(const double* rows, int p, Real& u, Real& v,
+                                                Real& square) const {
+    const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * packs + p) * width); };
+    const auto product = [&](const Real& x, const Real& y, FlightRow rest) -> Real {  // x y + rest
+      if constexpr (falls)
+        return multiply_add(x, y, row(rest));
+      else
+        return x * y;
+    };
+    const Real d = u - load_pack(lanes_, flight_.rest, p), w = v;
+    u = u + multiply_add(row(flight_u_u), d, product(row(flight_u_v), w, flight_u));
+    v = multiply_add(row(flight_v_u), d, product(row(flight_v_v), w, flight_v));
+    const Real of_d = multiply_add(row(flight_s_uu), d, row(flight_s_uv) * w);
+    const Real of_w = product(row(flight_s_vv), w, flight_s_v);
+    square = square + multiply_add(of_d, d, product(of_w, w, flight_s));
   }
 
   RA2D_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {

@@ -18,6 +18,7 @@ namespace ra2d {
 struct Rise {
   double any;   // of any node: by all modes and, where they are not followed, by the faces
   double rest;  // the part of it that is not followed for each group
+  double end;   // that at the end of the step
 };
 
 /// Areal scenes, adaptive scheme: bounds on the overlaps of the candidate groups from one
@@ -75,8 +76,11 @@ class GroupBounds {
       last[p] = end.u[p] - now.u[p];
       second[p] = multiply_add(of_end, Real(-1.0) * end.v[p], last[p]);
     }
+    const Real* const moved[] = {first, second, last};
+    double most[3];
+    footprint_.most_in_group(place, moved, most);
     const double rest =
-        Kokkos::min(2.0 * travel, footprint_.most_in_group(place, first, second, last) + error);
+        Kokkos::min(2.0 * travel, Kokkos::max(Kokkos::max(most[0], most[1]), most[2]) + error);
     Real own[3] = {Real(0.0), Real(0.0), Real(0.0)};
     lanes_.sync();
     for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p) {
@@ -94,7 +98,17 @@ class GroupBounds {
     double of_first, of_second;
     lanes_.sum(own[0], own[1], of_first, of_second);
     const double all = Kokkos::max(Kokkos::max(of_first, of_second), lanes_.sum(own[2]));
-    return {all + rest, rest};
+    return {all + rest, rest, Kokkos::min(2.0 * travel, most[2])};
+  }
+
+  /// That at the end of a step between two states. There must be a footprint.
+  RA2D_FUNCTION double rise_at_end(const Place& place, const Modes& now, const Modes& end) const {
+    Real last[packs];
+    for (int p = 0; p < filled<packs>(lanes_); ++p) last[p] = end.u[p] - now.u[p];
+    const Real* const moved[] = {last};
+    double most[1];
+    footprint_.most_in_group(place, moved, most);
+    return most[0];
   }
 
   /// The most that the followed motion raises the overlaps of a group by within a step of
@@ -145,10 +159,9 @@ class GroupBounds {
     lanes_.sync();
   }
 
-  /// Selects, of so many groups, those whose overlaps may come to `least` within a step of `rise`
-  /// and `distance` [chi].
-  RA2D_FUNCTION void select(const Place& place, int groups, double distance, double rise,
-                            double least) {
+  /// Selects, of so many groups, those whose overlaps may come to `least` within a step of
+  /// `distance` [chi], but for what is not followed.
+  RA2D_FUNCTION void select(const Place& place, int groups, double distance, double least) {
     const Real begin(place.theta), end(place.theta + distance);
     int count = 0;
     for (int e = 0; e < groups; e += width) {
@@ -168,7 +181,6 @@ class GroupBounds {
           buffers_.selected[count] = e + Kokkos::Experimental::countr_zero_builtin(bits);
     }
     selected_ = count;
-    rise_ = rise;
     lanes_.sync();
   }
   KOKKOS_FORCEINLINE_FUNCTION int selected() const { return selected_; }
@@ -185,10 +197,10 @@ class GroupBounds {
     lanes_.sync();
   }
 
-  /// On to the next step.
-  KOKKOS_FORCEINLINE_FUNCTION void end_step() {
+  /// On to the next step, after one of so much that is not followed (Rise::end).
+  KOKKOS_FORCEINLINE_FUNCTION void end_step(double rise) {
     ++steps_;
-    risen_ += rise_ * (1.0 + 0x1p-40);
+    risen_ += rise * (1.0 + 0x1p-40);
   }
   /// After end_step(), at the place where the step has ended, and the displacements u: the overlaps
   /// of the selected groups there, of group e from `overlaps` + 2 e packs on.
@@ -231,7 +243,7 @@ class GroupBounds {
   CandidateLists& lists_;
   GroupBuffers& buffers_;
   int selected_ = 0;
-  double risen_ = 0.0, rise_ = 0.0;  // m; rise_: of the step
+  double risen_ = 0.0;  // m
   std::int64_t steps_ = 0;
 
   KOKKOS_FORCEINLINE_FUNCTION int stride() const { return faces_.groups + width; }

@@ -86,7 +86,7 @@ class Overlaps {
   /// Bounds on the rise of an overlap within a step from u on, and twice the error of its value.
   RA2D_FUNCTION Rise longest_rise(const Real* u, const MotionBounds& bounds,
                                   std::int64_t ticks) const {
-    return with_path(u, bounds, ticks, {bounds.travel, bounds.travel});
+    return with_path(u, bounds, ticks, {bounds.travel, bounds.travel, bounds.travel});
   }
   /// For a step whose end is known, if there is a footprint (knows_footprint): tighter ones.
   RA2D_FUNCTION Rise longest_rise(const Place& place, const ModalState<Lanes, packs>& now,
@@ -137,7 +137,16 @@ class Overlaps {
     if (faces_.smooth) [[unlikely]]
       least -= modes_sag(u, bounds.travel);
     group_bounds_.select(place, candidates_.count(), static_cast<double>(ticks) * motion_.advance,
-                         rise.rest, least);
+                         least);
+    rise_at_end_ = rise.end;
+  }
+  /// For a step of so many ticks that ends elsewhere than groups were selected for.
+  RA2D_FUNCTION void end_at(const Place& place, const ModalState<Lanes, packs>& now,
+                            const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
+                            std::int64_t ticks) {
+    if (!is_selective_ || !knows_footprint()) return;
+    const double rise = group_bounds_.rise_at_end(place, now, end);
+    rise_at_end_ = with_path(now.u, bounds, ticks, {rise, rise, rise}).end;
   }
   /// Finds overlaps and rates at both ends of the step; at its beginning, where the modes are at u0
   /// and v0, unless they are known.
@@ -164,15 +173,15 @@ class Overlaps {
     end_ = swap;
     if (!is_selective_) [[likely]]
       return;
-    group_bounds_.end_step();
+    group_bounds_.end_step(rise_at_end_);
     group_bounds_.take(end, u, start_);
   }
   RA2D_FUNCTION void discard_start() {
     start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
-      group_bounds_.end_step();
+      group_bounds_.end_step(rise_at_end_);
   }
-  /// As discard_start(), after a step for which no groups were selected.
+  /// As discard_start(), where there is no bound on what a step has raised overlaps by.
   RA2D_FUNCTION void forget_start() {
     start_is_valid_ = false;
     if (is_selective_) [[unlikely]]
@@ -443,6 +452,7 @@ class Overlaps {
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
   bool start_is_valid_ = false;  // `start_` is of the present state and candidate groups
+  double rise_at_end_ = 0.0;     // Rise::end of the step
   bool is_selective_;            // areal scenes: evaluates selected groups
 
   /// Lists the cells of a group that may come to `level`, but for those that the node's overlaps at
@@ -498,7 +508,7 @@ class Overlaps {
     if (distance > 0.0)
       slope += motion_.spacing * weighted_sum<Lanes, packs>(lanes_, bounds_.largest_slope, u);
     const double path = distance * slope, errors = 2.0 * overlap_error(bounds);
-    return {travel.any + path + errors, travel.rest + path + errors};
+    return {travel.any + path + errors, travel.rest + path + errors, travel.end + path + errors};
   }
   /// The overlap that a node must have at the beginning of a step to come into contact within it,
   /// beside what is followed.

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -159,6 +160,61 @@ TEST(Flight, OfAnyLengthIsTheClosedForm) {
           std::abs(y.u[k]) + (f.omega[k] > 0 ? 2 * f.norm(y, k) / f.omega[k] : 0);
       ASSERT_NEAR(z.u[k], static_cast<double>(exact.u),
                   off * per + eps * (f.leaps(ticks) + 2) * (largest + std::abs(exact.u)));
+    }
+  }
+}
+
+/// Marches of many packs leave out what is zero of elastic modes.
+TEST(Flight, OfManyPacksIsThatOfFew) {
+  Dice dice(6);
+  constexpr int many = 4;
+  static_assert(has_many_packs<HostLanes, many>);
+  const HostLanes filled(modes);
+  for (int trial = 0; trial < 40; ++trial) {
+    const Flying f(dice, trial % 2 == 1);
+    std::vector<int> order(modes);  // elastic modes first
+    std::iota(order.begin(), order.end(), 0);
+    const auto rigid =
+        std::stable_partition(order.begin(), order.end(), [&](int k) { return f.omega[k] > 0; });
+    const auto in_lanes = [&](const double* of) {
+      std::vector<double> out(many * width, 1e300);  // of packs without modes nothing is read
+      for (int k = 0; k < modes; ++k) out[k] = of[order[k]];
+      return out;
+    };
+    SceneTables t = f.t;
+    std::vector<double> rows;
+    for (std::size_t row = 0; row < f.flight.size(); row += modes) {
+      const std::vector<double> one = in_lanes(f.flight.data() + row);
+      rows.insert(rows.end(), one.begin(), one.end());
+    }
+    const std::vector<double> rest = in_lanes(f.rest.data()), fall = in_lanes(f.fall.data()),
+                              omega = in_lanes(f.omega.data()), decay = in_lanes(f.decay.data());
+    t.flight.rows = rows.data(), t.flight.rest = rest.data();
+    t.flight.free_acceleration = fall.data();
+    t.modes.omega = omega.data(), t.adaptive.decay = decay.data();
+    t.flight.elastic_packs = static_cast<int>(rigid - order.begin()) / width;
+    const Flight<HostLanes, many> flight(filled, t.modes, t.motion, t.bounds, t.adaptive, t.flight);
+    const Flying::Lanes y = f.random_state(dice);
+    const std::int64_t ticks = random_length(dice, f);
+    const Flying::Lanes few = f.after(y, ticks);
+    const std::vector<double> u0 = in_lanes(y.u.data()), v0 = in_lanes(y.v.data());
+    Real u[many], v[many], square[many];
+    for (int p = 0; p < K; ++p) {
+      u[p] = lanes.load(u0.data() + p * width);
+      v[p] = lanes.load(v0.data() + p * width);
+      square[p] = Real(0.0);
+    }
+    flight(u, v, square, ticks);
+    std::array<double, modes> of_u{}, of_v{}, of_square{};
+    for (int p = 0; p < K; ++p) {
+      lanes.store(of_u.data() + p * width, u[p]);
+      lanes.store(of_v.data() + p * width, v[p]);
+      lanes.store(of_square.data() + p * width, square[p]);
+    }
+    for (int k = 0; k < modes; ++k) {
+      ASSERT_EQ(of_u[k], few.u[order[k]]) << "trial " << trial << ", mode " << k;
+      ASSERT_EQ(of_v[k], few.v[order[k]]) << "trial " << trial << ", mode " << k;
+      ASSERT_EQ(of_square[k], few.square[order[k]]) << "trial " << trial << ", mode " << k;
     }
   }
 }

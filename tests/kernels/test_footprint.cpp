@@ -110,6 +110,35 @@ TEST(Footprint, BoundsWhatAnyNodeIsMovedBy) {
   }
 }
 
+/// With its sign: what moves all nodes away leaves less to others.
+TEST(Footprint, BoundsWhatAnyNodeIsRaisedBy) {
+  Dice dice(8);
+  const Sliding scene(2e-3, 1e-3);
+  const Footprint<HostLanes, many> footprint(lanes, scene.t.bounds);
+  const int all = scene.modes() + static_cast<int>(scene.model.slider.modes.size());
+  int away = 0;
+  for (int sample = 0; sample < 300; ++sample) {
+    // all modes, or one alone, or one of the slider's and the resonator's lowest
+    std::vector<double> x(many * width, 0.0);
+    const int one = sample % 3 == 0 ? -1 : dice.pick(all), own = scene.modes() + dice.pick(3);
+    for (int k = 0; k < all; ++k)
+      if (one < 0 || (sample % 3 == 1 ? k == one : k == own || k == 0))
+        x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
+    const double position = scene.model.position + dice.uniform(0, 40);
+    const Place place = scene.place(position);
+    const std::vector<double> moved = scene.displacements(x, position);
+    const double highest = *std::max_element(moved.begin(), moved.end()),
+                 bound = footprint.most_raised(place, ManyPacks(x).x);
+    EXPECT_LE(highest, bound);
+    EXPECT_LE(bound, (1 + 0x1p-42) * footprint.most(place, ManyPacks(x).x));
+    away += bound < 0;
+  }
+  EXPECT_GT(away, 30);
+  std::vector<double> x(many * width, 0.0);
+  x[scene.modes()] = -1.0 / scene.t.bounds.largest_shape[scene.modes()];  // the slider's heave
+  EXPECT_NEAR(footprint.most_raised(scene.place(scene.model.position), ManyPacks(x).x), -1, 1e-9);
+}
+
 /// The polynomial itself, at every node: off by no more than what it leaves out.
 TEST(Footprint, IsWhatTheResonatorMovesTheNodesBy) {
   Dice dice(7);
@@ -202,7 +231,11 @@ TEST(Footprint, BoundsWhatIsNotFollowedInGroups) {
       x[k] = dice.uniform(-1, 1) / scene.t.bounds.largest_shape[k];
     const double position = scene.model.position + dice.uniform(0, 40);
     const ManyPacks one(x), none(std::vector<double>(many * width, 0.0));
-    const double bound = footprint.most_in_group(scene.place(position), none.x, one.x, none.x);
+    const Real* const all_of[] = {one.x, none.x};
+    double bounds[2];
+    footprint.most_in_group(scene.place(position), all_of, bounds);
+    const double bound = bounds[0];
+    EXPECT_EQ(bounds[1], 0.0);
     double left = 0;
     for (int j = 0; j < scene.model.rows; ++j)
       for (int i = 0; i < scene.n.row_nodes; ++i) {

@@ -159,12 +159,11 @@ void select_every_group_that_comes_near(Faces faces_are) {
       const State before = state_of(u, v), after = state_of(end, fast);
       const Place place = place_at(position);
       const Rise rise = bounds.rise(place, before, after, 1.0, 1.0, 0.0, 1e300);
-      const double rest =
-          rise.rest +
+      const double path =
           distance * listed.model.scene.spacing *
               weighted_sum<HostLanes, many>(lanes, listed.t.bounds.largest_slope, before.u) +
           1e-15;
-      bounds.select(place, listed.n.groups, distance, rest, level - rest);
+      bounds.select(place, listed.n.groups, distance, level - rise.rest - path);
       std::set<int> selected;
       for (int i = 0; i < bounds.selected(); ++i) selected.insert(bounds[i]);
       chosen += bounds.selected(), all += listed.n.groups;
@@ -190,7 +189,10 @@ void select_every_group_that_comes_near(Faces faces_are) {
                 3 * part * part * (v[k] + fast[k] - 2 * move[k]);
       u = there, position += part * distance;
       over = listed.overlaps_at(u, position);
-      bounds.end_step();
+      const double moved =
+          part < 1.0 ? bounds.rise_at_end(place, before, state_of(u, v)) : rise.end;
+      EXPECT_LE(moved, rise.rest);
+      bounds.end_step(moved + path);
       if (step % 3 == 2) continue;  // as where a contact begins: nothing is taken
       std::vector<double> rows(2 * listed.n.groups * width, -1.0);
       for (int e = 0; e < listed.n.groups; ++e) {
