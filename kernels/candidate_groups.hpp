@@ -409,14 +409,13 @@ class CandidateGroups {
   }
   /// Lists a group whose nodes have the overlap `top` at the most, if that is near contact.
   KOKKOS_FORCEINLINE_FUNCTION void list_coarse(int group, const Real& top, int& count) {
-    if (lanes_.at_least(top, -coarse_below_) == 0) return;
     const double most = lanes_.max(top);
     if (lanes_.leader()) {
       RA2D_CHECK(count < faces_.groups);
       lists_.coarse_groups[count] = group;
       lists_.coarse_highest[count] = most;
     }
-    ++count;
+    count += most >= -coarse_below_;  // no branch: none could be foretold
   }
 
   // ---- areal scenes
@@ -572,9 +571,8 @@ class CandidateGroups {
         Real top = lanes_.load(faces_.height1 + group * width) + face + Real(displacement);
         if (faces_.smooth) [[unlikely]]
           top = top + sag_on_path(group, passed);
-        const int listed = count;
+        if (lanes_.leader()) lists_.coarse_displacement[count] = displacement;
         list_coarse(group, top, count);
-        if (count > listed && lanes_.leader()) lists_.coarse_displacement[listed] = displacement;
       }
   }
 };

@@ -804,12 +804,14 @@ class ModalSeries {
   /// the second of them needs nothing of the first but its terms of the modes.
   template <int terms, bool in_clusters = false>
   RA2D_FUNCTION void expand_terms(const Real* u, const Real* v, const Place& place) {
-    if constexpr (has_clusters && !in_clusters)
+    if constexpr (has_clusters && !in_clusters) {
+      if (contacts_.count == 0) return expand_free(u, v);
       if (sums_moments()) {
         if (contacts_.count == 1) return expand_few<terms, 1>(u, v, place);
         if constexpr (at_once == 2)
           if (contacts_.count == 2) return expand_few<terms, 2>(u, v, place);
       }
+    }
     const double scale = scale_;
     const int order = order_, contacts = contacts_.count, modal_packs = filled<packs>(lanes_);
     const double advance = motion_.advance * (scale / motion_.time_step);  // chi per x
@@ -820,15 +822,8 @@ class ModalSeries {
     const int last = contacts > 0 ? degree() : order - 2;
     for (int j = 0; j <= last; j += 2) {
       Real force[2][packs];
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        force[0][p] = j == 0 ? load_pack(lanes_, modes_.load, p) : Real(0.0);
-        force[1][p] = Real(0.0);
-      }
-      if (forces_.count > 0)
-        for (int q = 0; q < 2; ++q)
-          if (j + q <= order)
-            for (int p = 0; p < filled<packs>(lanes_); ++p)
-              force[q][p] = force[q][p] + load_pack(lanes_, buffers_.forces + (j + q) * row, p);
+      for (int q = 0; q < 2; ++q)
+        for (int p = 0; p < filled<packs>(lanes_); ++p) force[q][p] = outer_force(j + q, p);
       if constexpr (in_clusters) {
         clusters_.template expand<terms>(j, c, j + 2 <= order, advance, force);
       } else {
@@ -864,6 +859,28 @@ class ModalSeries {
     }
   }
 
+  /// As expand_terms(), without contact: each pack goes through all orders by itself.
+  RA2D_FUNCTION void expand_free(const Real* u, const Real* v) {
+    constexpr int block = has_many_packs<Lanes, packs> ? 4 : packs;
+    for_packs<packs, block>(lanes_, [&]<int count>(int first) {
+      Real stiff[count], decay[count], inverse_mass[count], now[count], next[count];
+      for (int i = 0; i < count; ++i) {
+        begin_terms(first + i, u[first + i], v[first + i], stiff[i], decay[i], inverse_mass[i]);
+        now[i] = u[first + i];
+        next[i] = Real(scale_) * v[first + i];
+      }
+      for (int j = 0; j + 2 <= order_; ++j) {
+        const Recursion term_of(j);
+        for (int i = 0; i < count; ++i) {
+          const Real term = term_of(stiff[i], decay[i], inverse_mass[i], now[i], next[i],
+                                    outer_force(j, first + i));
+          put(j + 2, first + i, term);
+          now[i] = next[i];
+          next[i] = term;
+        }
+      }
+    });
+  }
   /// As expand_terms(), of so few contacts that all their moments are in registers: for two orders
   /// one loop over the modes. It gives each pack its force and its next terms, and adds these to
   /// the moments that the following orders begin with.

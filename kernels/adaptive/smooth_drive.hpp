@@ -204,6 +204,7 @@ class SmoothDrive {
   int cells_ = 0, flagged_ = 0;
   double rounding_ = 0.0;          // m, bound on that of an overlap at the beginning
   double expected_onset_ = 1e300;  // s after the step: of the next contact that begins
+  MotionBounds motion_bounds_{};   // of the latest search
 
   KOKKOS_FORCEINLINE_FUNCTION double bound(const double* weight, const Real* x) const {
     return weighted_sum<Lanes, packs>(lanes_, weight, x);
@@ -291,7 +292,8 @@ class SmoothDrive {
     flagged_ = 0;
     expected_onset_ = 1e300;
     if (!(size < 1e300)) return 3.0;
-    const MotionBounds bounds{b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
+    motion_bounds_ = {b.travel, 0.0, bound(bounds_.cubic_remainder, now.u), size};
+    const MotionBounds& bounds = motion_bounds_;
     const double time = static_cast<double>(ticks) * motion_.time_step;
     const Rise rise =
         overlaps_.knows_footprint()
@@ -370,6 +372,7 @@ class SmoothDrive {
       recorder_.add_contact(sliding, moving, in_contact, set_.count);
     }
     const double release = onset ? 1e300 : next_release();
+    if (made < ticks) overlaps_.end_at(place, now, end, motion_bounds_, made);
     step_.keep_for_next(x);
     now.take(lanes_, end);
     tick += made;
