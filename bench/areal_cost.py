@@ -16,6 +16,8 @@ import re
 import statistics
 import sys
 
+from pictures import pyplot
+
 COUNTERS = {"wall_per_second": "wall time, s/s", "steps_per_second": "steps, 1/s",
             "shocks_per_second": "shocks, 1/s", "most_nodes": "nodes at once", "ready": "ready, s"}
 OVER_AREA = 32.0  # um, the spacing of the cases over the area
@@ -39,10 +41,7 @@ def read(file):
 
 
 def draw(costs, picture):
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
+    plt, _ = pyplot()
     figure, (over_spacing, over_area) = plt.subplots(1, 2, figsize=(9, 3.8), sharey=True,
                                                      layout="constrained")
     for side in sorted({side for side, _ in costs}):

@@ -49,6 +49,8 @@ import scipy.interpolate
 import scipy.signal
 import scipy.stats
 
+from pictures import pyplot
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SCENE = ROOT / "scenes" / "dang2012.toml"
 MAPS = ROOT / "scenes" / "areal.toml"
@@ -349,9 +351,7 @@ def rate_error(found, limit):
 def draw_convergence(rows, file):
     """For each stiffness the rate's difference to the finest smooth faces over the seconds of a
     simulated second."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    plt, _ = pyplot()
     from matplotlib import ticker
 
     groups = {}

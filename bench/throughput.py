@@ -16,6 +16,8 @@ import re
 import statistics
 import sys
 
+from pictures import pyplot
+
 METHODS = {"adaptive": "adaptive, 1e-6", "backward-euler": "backward Euler, 10 ns",
            "adaptive-100kHz": "adaptive, samples at 100 kHz"}
 
@@ -83,16 +85,8 @@ def table(cases, one, all_cores):
 
 
 def draw(picture, cases, one, all_cores, title):
-    sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "host" / "python"))
-    try:
-        import matplotlib
-    except ImportError:
-        sys.exit(f"{picture}: this Python has no matplotlib to draw it with (Debian: "
-                 "/usr/bin/python3, python3-matplotlib)")
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    plt, style = pyplot()
     from matplotlib.ticker import FuncFormatter
-    from ra2d import style
     figure, axes = plt.subplots(1, len(METHODS), figsize=(12, 4.4), layout="constrained")
     for axis, (method, words) in zip(axes, METHODS.items()):
         for paper, colour in (("free", "#1f77b4"), ("pinned", "#d62728")):

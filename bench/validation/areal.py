@@ -330,7 +330,7 @@ def report(case, sides, law, area, still):
 
 
 def draw(case, law, area, still):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(10.5, 3.8), layout="constrained")
     for (kind, points), line in zip(law.items(), ("--", "-")):
         for rq, colour, mark in zip(RQ, style.SERIES, style.MARKS):

@@ -219,7 +219,7 @@ def report(case, base, tables):
 
 
 def draw(case, base, tables, changes):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (rates, share) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
     kappas = {1e13: tables["kappa-13"], 1e14: tables["kappa-14"], 1e15: base,
               1e16: tables["kappa-16"], 1e17: tables["kappa-17"]}

@@ -24,6 +24,8 @@ import tempfile
 import h5py
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "bench"))
+from pictures import pyplot
 
 
 def shown(value, digits=2):
@@ -130,19 +132,8 @@ class Case:
         with open(self.folder / f"{self.name}.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(self.rows)
         if self.picture:
-            _, style = pictures()
+            _, style = pyplot()
             (self.folder / f"{self.name}.svg").write_bytes(style.Picture.drawn(self.picture, "svg"))
-
-
-def pictures():
-    """The style of the program's own pictures: (matplotlib.pyplot, ra2d.style)."""
-    sys.path.insert(0, str(ROOT / "host" / "python"))
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from ra2d import style
-    matplotlib.rcParams.update(style.RC)
-    return plt, style
 
 
 def main(name, compare):

@@ -248,7 +248,7 @@ def report(case, found):
 
 
 def draw(case, found, points):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (left, right, legend_axes) = plt.subplots(1, 3, figsize=(10.5, 4), layout="constrained",
                                                       width_ratios=(1, 1, 0.5))
     styles = zip([*style.SERIES, style.GREY], [*style.MARKS, "<"], [*style.LINES, "-"])

@@ -204,7 +204,7 @@ def by_gap(case):
 
 
 def draw(case, rows, grown):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, panels = plt.subplots(2, 1, figsize=(7, 7), layout="constrained")
     for axes, kind in zip(panels, SCENES):
         for i, (time, apart, *_) in enumerate(grown[kind]):

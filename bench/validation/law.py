@@ -435,7 +435,7 @@ def choices(case, rows):
 
 
 def draw(case, tables, rows, ring):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure = plt.figure(figsize=(7.2, 10), layout="constrained")
     upper, lower = figure.subfigures(2, 1, height_ratios=(0.8, 1.2))
     left, right = upper.subplots(1, 2, sharey=True)

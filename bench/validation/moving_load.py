@@ -106,7 +106,7 @@ def compare(case):
     case.text("adaptive", max(row[2] for row in rows))
     case.text("euler", max(row[4] for row in rows))
     case.text("modes", max(row[-1] for row in rows))
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (upper, lower) = plt.subplots(2, 1, figsize=(7, 6), layout="constrained")
     colours = dict(zip(ratios, (style.BLUE, style.RUST, style.GREEN, style.PLUM)))
     for ratio in ratios:

@@ -417,7 +417,7 @@ def tell_steps(case):
 
 
 def draw(case, all_found, fall):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (upper, middle, lower) = plt.subplots(3, 1, figsize=(7, 8.5), layout="constrained")
     colours = {0.1: style.BLUE, 0.5: style.RUST, 1.0: style.GREEN, 2.0: style.PLUM}
     for found, crossing, solution in all_found:

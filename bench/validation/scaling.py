@@ -265,7 +265,7 @@ def report(case, rows):
 
 
 def draw(case):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, panels = plt.subplots(2, 1, figsize=(7, 6), layout="constrained")
     colours = dict(zip(GROUPS, (style.BLUE, style.RUST, style.GREEN, style.PLUM, style.AMBER,
                                 style.BLACK)))

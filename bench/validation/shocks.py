@@ -341,7 +341,7 @@ def report(case):
 
 
 def draw(case, sweeps, regimes):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, (durations, forces,
              (of_kappa, contact, rates)) = plt.subplots(3, 3, figsize=(11, 10),
                                                         layout="constrained")

@@ -345,7 +345,7 @@ def of_frequencies(case):
 
 
 def draw(case, found, best):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure = plt.figure(figsize=(7, 5.4), layout="constrained")
     grid = figure.add_gridspec(2, len(BUMPS))
     axes = figure.add_subplot(grid[0, :])

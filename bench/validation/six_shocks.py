@@ -368,7 +368,7 @@ def local_compliance(force, stiffness):
 
 
 def draw(case, found, best):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     few = marched(case, AUDIBLE)
     figure = plt.figure(figsize=(7, 6), layout="constrained")
     grid = figure.add_gridspec(2, len(PEAKS))

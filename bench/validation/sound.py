@@ -157,7 +157,7 @@ def report(case, logs, bands):
                  for above in (False, True))
     case.text("low", f"{np.mean(low):.0f}")
     case.text("high", f"{np.mean(high):.0f}")
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, axes = plt.subplots(figsize=(7.2, 3.2), layout="constrained")
     for (speed, some), colour, mark in zip(ratios.items(), style.SERIES, style.MARKS):
         mid, half = np.array([mean([one[centre] for one in some]) for centre in centres]).T

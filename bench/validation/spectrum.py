@@ -294,7 +294,7 @@ def report(case, found, tones):
 
 
 def draw(case, found, curves):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     figure, ((density, falling), (shift, damping)) = plt.subplots(2, 2, figsize=(9, 7),
                                                                   layout="constrained")
     for load, colour in ((LOADS[0], style.SKY), (1, style.BLUE), (LOADS[-1], style.RUST)):

@@ -149,7 +149,7 @@ def report(case, found):
 
 
 def draw(case, found, words):
-    plt, style = common.pictures()
+    plt, style = common.pyplot()
     # the legend stands in the foot
     figure, (panels, foot) = plt.subplots(2, 4, figsize=(7, 3.4), layout="constrained",
                                           sharey="row",

@@ -96,18 +96,13 @@ class Flight {
   KOKKOS_FORCEINLINE_FUNCTION void advance_pack(const double* rows, int p, Real& u, Real& v,
                                                 Real& square) const {
     const auto row = [&](FlightRow r) { return lanes_.load(rows + (r * packs + p) * width); };
-    const auto product = [&](const Real& x, const Real& y, FlightRow rest) -> Real {  // x y + rest
-      if constexpr (falls)
-        return multiply_add(x, y, row(rest));
-      else
-        return x * y;
-    };
+    const auto of_rest = [&](FlightRow r) { return falls ? row(r) : Real(0.0); };
     const Real d = u - load_pack(lanes_, flight_.rest, p), w = v;
-    u = u + multiply_add(row(flight_u_u), d, product(row(flight_u_v), w, flight_u));
-    v = multiply_add(row(flight_v_u), d, product(row(flight_v_v), w, flight_v));
+    u = u + multiply_add(row(flight_u_u), d, multiply_add(row(flight_u_v), w, of_rest(flight_u)));
+    v = multiply_add(row(flight_v_u), d, multiply_add(row(flight_v_v), w, of_rest(flight_v)));
     const Real of_d = multiply_add(row(flight_s_uu), d, row(flight_s_uv) * w);
-    const Real of_w = product(row(flight_s_vv), w, flight_s_v);
-    square = square + multiply_add(of_d, d, product(of_w, w, flight_s));
+    const Real of_w = multiply_add(row(flight_s_vv), w, of_rest(flight_s_v));
+    square = square + multiply_add(of_d, d, multiply_add(of_w, w, of_rest(flight_s)));
   }
 
   RA2D_FUNCTION void taylor_step(Real* u, Real* v, Real* square, double ticks) const {

@@ -211,10 +211,12 @@ TEST(Flight, OfManyPacksIsThatOfFew) {
       lanes.store(of_v.data() + p * width, v[p]);
       lanes.store(of_square.data() + p * width, square[p]);
     }
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
     for (int k = 0; k < modes; ++k) {
-      ASSERT_EQ(of_u[k], few.u[order[k]]) << "trial " << trial << ", mode " << k;
-      ASSERT_EQ(of_v[k], few.v[order[k]]) << "trial " << trial << ", mode " << k;
-      ASSERT_EQ(of_square[k], few.square[order[k]]) << "trial " << trial << ", mode " << k;
+      SCOPED_TRACE("trial " + std::to_string(trial) + ", mode " + std::to_string(k));
+      ASSERT_EQ(bits(of_u[k]), bits(few.u[order[k]]));
+      ASSERT_EQ(bits(of_v[k]), bits(few.v[order[k]]));
+      ASSERT_EQ(bits(of_square[k]), bits(few.square[order[k]]));
     }
   }
 }
