@@ -62,7 +62,9 @@ def draw(costs, picture):
                         (over_area, [area for area, _ in areas])):
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.minorticks_off()
-    ticks = [0.5, 1, 2, 5, 10, 20]
+    walls = [cost["wall_per_second"] for cost in costs.values()]
+    ticks = [tick for tick in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
+             if min(walls) / 2 < tick < 2 * max(walls)]
     over_spacing.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     figure.savefig(picture, dpi=110)
 

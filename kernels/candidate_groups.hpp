@@ -204,6 +204,16 @@ class CandidateGroups {
   RA2D_FUNCTION bool holds(const Real* u, const Place& place, double travel) const {
     return holds(place, travelled(u, place), travel);
   }
+  /// As above, of displacements u whose sums of the footprint's terms are given.
+  RA2D_FUNCTION bool holds(const Real* u, const double* sums, const Place& place,
+                           double travel) const {
+    if (place.base != base_) return false;
+    Real away[packs];
+    away_from(lists_.reference_u, u, away);
+    const double gone = faces_.smooth ? footprint().most(sums, lists_.footprint, away)
+                                      : footprint().most_raised(sums, lists_.footprint, away);
+    return holds(place, gone, travel);
+  }
   /// Finds them anew about u, to hold for a travel of `range` [m]. `rounding` bounds the rounding
   /// of a displacement; `back` [chi] is how far back on the slider's path the list must hold.
   RA2D_FUNCTION void find(const Real* u, const Place& place, double range, double rounding,
@@ -227,7 +237,8 @@ class CandidateGroups {
                0.5 * back * back * faces_.largest_face_curvature;
     const double below = range_ + error;
     const bool by_footprint = footprint().exists();
-    if (by_footprint) footprint().expand(place, u, lists_.footprint);
+    const Real* const one[] = {u};
+    if (by_footprint) footprint().expand(place, one, lists_.footprint);
     // with the motion since then
     double coarse_below = moved(lists_.coarse_reference_u, u, place) + below + error;
     // On maps a list that still holds is made anew once going through it in vain has cost more than
@@ -288,9 +299,12 @@ class CandidateGroups {
   KOKKOS_FORCEINLINE_FUNCTION double moved(const double* from, const Real* u,
                                            const Place& place) const {
     Real away[packs];
-    for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
+    away_from(from, u, away);
     return faces_.smooth ? (1.0 + 0x1p-43) * footprint().most(place, away)
                          : footprint().most_raised(place, away);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void away_from(const double* from, const Real* u, Real* away) const {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);
   }
   KOKKOS_FORCEINLINE_FUNCTION Footprint<Lanes, packs> footprint() const {
     return {lanes_, bounds_};

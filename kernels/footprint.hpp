@@ -71,57 +71,70 @@ class Footprint {
   RA2D_FUNCTION double most(const Place& place, const Real* x) const {
     if constexpr (can_exist)
       if (exists()) {
-        const Real* const one[] = {x};
-        double bound[1], first[1];
-        sum_terms<1>(place, limits_.footprint.remainder, one, bound, first);
-        return bound[0];
+        double first;
+        return sum_terms(place, x, first);
       }
     return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
   }
   /// Bound on sum_k psi_k x_k itself: what moves all nodes alike, the first polynomial and the
   /// slider's heave, counts with its sign. Raised by its own roundings.
   RA2D_FUNCTION double most_raised(const Place& place, const Real* x) const {
-    constexpr double roundings = 0x1p-43;
     if constexpr (can_exist)
       if (exists()) {
-        const Real* const one[] = {x};
-        double bound[1], first[1];
-        sum_terms<1>(place, limits_.footprint.remainder, one, bound, first);
-        Real part(0.0);
-        for (int p = 0; p < filled<packs>(lanes_); ++p)
-          part = multiply_add(load_pack(lanes_, limits_.footprint.alike, p), x[p], part);
-        const double heave = lanes_.sum(part);
-        return (1.0 + roundings) * bound[0] +
-               2.0 * (Kokkos::min(first[0], 0.0) + Kokkos::min(heave, 0.0));
+        double first;
+        const double bound = sum_terms(place, x, first);
+        return with_sign(bound, first, x);
       }
     return (1.0 + roundings) * most(place, x);
   }
-  /// As most(), of some displacements, with of the slider's modes only what they differ by from the
-  /// middle of a group of nodes. There must be a footprint.
-  template <int count>
-  RA2D_FUNCTION void most_in_group(const Place& place, const Real* const (&x)[count],
-                                   double (&bound)[count]) const {
-    double first[count];
-    sum_terms<count>(place, limits_.footprint.remainder_in_group, x, bound, first);
+  /// As above, of x, the difference of two vectors whose sums are given (expand).
+  RA2D_FUNCTION double most_raised(const double* sums_of, const double* from, const Real* x) const {
+    return with_sign(most(sums_of, from, x), sums_of[0] - from[0], x);
+  }
+  /// As most(), of x, the difference of two vectors whose sums are given.
+  RA2D_FUNCTION double most(const double* sums_of, const double* from, const Real* x) const {
+    return difference(limits_.footprint.remainder, sums_of, from, x);
+  }
+  /// As most(), with of the slider's modes only what they differ by from the middle of a group.
+  RA2D_FUNCTION double most_in_group(const double* sums_of, const double* from,
+                                     const Real* x) const {
+    return difference(limits_.footprint.remainder_in_group, sums_of, from, x);
   }
 
-  /// Writes the sums c_ab = sum_k Phi_kab x_k over the resonator's modes to `to` (term).
-  RA2D_FUNCTION void expand(const Place& place, const Real* x, double* to) const {
+  /// The place of the path, with polynomials of its own, that serves.
+  KOKKOS_FORCEINLINE_FUNCTION int place_of(const Place& place) const {
+    const FootprintTables& tables = limits_.footprint;
+    const int at = (place.base - tables.first) / tables.nodes;
+    RA2D_CHECK(place.base >= tables.first && at < tables.places);
+    return at;
+  }
+  /// Length of a row of sums: whole packs, filled up with zeros.
+  KOKKOS_FORCEINLINE_FUNCTION int sums() const {
+    return (limits_.footprint.terms + width - 1) / width * width;
+  }
+  /// Writes the sums c_ab = sum_k Phi_kab x_k over the resonator's modes of some vectors to `to`,
+  /// a row of sums() after the other.
+  template <int count>
+  RA2D_FUNCTION void expand(const Place& place, const Real* const (&x)[count], double* to) const {
     if constexpr (can_exist) {
       const double* const phi = rows_at(place);
+      const int terms = limits_.footprint.terms, all = sums();
       lanes_.sync();
-      for (int t = 0; t < limits_.footprint.terms; t += footprint_side_by_side) {
-        Real part[1][footprint_side_by_side];
-        const Real* const one[] = {x};
-        sum_side_by_side<1>(phi + t * row, one, part);
-        for (int s = 0; s < footprint_side_by_side; s += 2) {
-          double sums[2];
-          lanes_.sum(part[0][s], part[0][s + 1], sums[0], sums[1]);
-          if (!lanes_.leader()) continue;
-          to[t + s] = sums[0];
-          to[t + s + 1] = sums[1];
-        }
+      for (int t = 0; t < terms; t += footprint_side_by_side) {
+        Real part[count][footprint_side_by_side];
+        sum_side_by_side<count>(phi + t * row, x, part);
+        for (int i = 0; i < count; ++i)
+          for (int s = 0; s < footprint_side_by_side; s += 2) {
+            double one, other;
+            lanes_.sum(part[i][s], part[i][s + 1], one, other);
+            if (!lanes_.leader()) continue;
+            to[i * all + t + s] = one;
+            to[i * all + t + s + 1] = other;
+          }
       }
+      if (lanes_.leader())
+        for (int i = 0; i < count; ++i)
+          for (int t = terms; t < all; ++t) to[i * all + t] = 0.0;
       lanes_.sync();
     }
   }
@@ -166,45 +179,57 @@ class Footprint {
     }
     return lanes_.sum(part);
   }
-  /// Of pack p of the modes, what the polynomials leave out of each.
+  /// Of pack p of the modes, what the polynomials leave out of each; in a group (most_in_group).
   KOKKOS_FORCEINLINE_FUNCTION Real remainder(int p) const {
     return load_pack(lanes_, limits_.footprint.remainder, p);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION Real remainder_in_group(int p) const {
+    return load_pack(lanes_, limits_.footprint.remainder_in_group, p);
   }
 
  private:
   Lanes lanes_;
   const MotionLimits& limits_;
 
-  KOKKOS_FORCEINLINE_FUNCTION int place_of(const Place& place) const {
-    const FootprintTables& tables = limits_.footprint;
-    const int at = (place.base - tables.first) / tables.nodes;
-    RA2D_CHECK(place.base >= tables.first && at < tables.places);
-    return at;
+  static constexpr double roundings = 0x1p-43;
+
+  /// Makes a bound on |sum_k psi_k x_k| one on the sum itself; `first`: its first term.
+  RA2D_FUNCTION double with_sign(double bound, double first, const Real* x) const {
+    Real part(0.0);
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      part = multiply_add(load_pack(lanes_, limits_.footprint.alike, p), x[p], part);
+    const double heave = lanes_.sum(part);
+    return (1.0 + roundings) * bound + 2.0 * (Kokkos::min(first, 0.0) + Kokkos::min(heave, 0.0));
+  }
+  RA2D_FUNCTION double difference(const double* remainder, const double* sums_of,
+                                  const double* from, const Real* x) const {
+    Real part(0.0);
+    for (int t = 0; t < sums(); t += width)
+      part = part + Kokkos::abs(lanes_.load(sums_of + t) - lanes_.load(from + t));
+    return weighted_sum<Lanes, packs>(lanes_, remainder, x) + lanes_.sum(part);
   }
   KOKKOS_FORCEINLINE_FUNCTION const double* rows_at(const Place& place) const {
     const FootprintTables& tables = limits_.footprint;
     return tables.rows + static_cast<std::int64_t>(place_of(place)) * tables.terms * row;
   }
 
-  /// Bounds on |sum_k psi_k x_k|, and the first term of each.
-  template <int count>
-  RA2D_FUNCTION void sum_terms(const Place& place, const double* remainder,
-                               const Real* const (&x)[count], double (&bound)[count],
-                               double (&first)[count]) const {
+  /// Bound on |sum_k psi_k x_k|, and its first term.
+  RA2D_FUNCTION double sum_terms(const Place& place, const Real* x, double& first) const {
     const FootprintTables& tables = limits_.footprint;
     const double* const phi = rows_at(place);
-    for (int i = 0; i < count; ++i) bound[i] = weighted_sum<Lanes, packs>(lanes_, remainder, x[i]);
+    const Real* const one_of[] = {x};
+    double bound = weighted_sum<Lanes, packs>(lanes_, tables.remainder, x);
     for (int t = 0; t < tables.terms; t += footprint_side_by_side) {
-      Real part[count][footprint_side_by_side];
-      sum_side_by_side<count>(phi + t * row, x, part);
-      for (int i = 0; i < count; ++i)
-        for (int s = 0; s < footprint_side_by_side; s += 2) {
-          double one, other;
-          lanes_.sum(part[i][s], part[i][s + 1], one, other);
-          if (t + s == 0) first[i] = one;
-          bound[i] += Kokkos::abs(one) + Kokkos::abs(other);
-        }
+      Real part[1][footprint_side_by_side];
+      sum_side_by_side<1>(phi + t * row, one_of, part);
+      for (int s = 0; s < footprint_side_by_side; s += 2) {
+        double one, other;
+        lanes_.sum(part[0][s], part[0][s + 1], one, other);
+        if (t + s == 0) first = one;
+        bound += Kokkos::abs(one) + Kokkos::abs(other);
+      }
     }
+    return bound;
   }
   /// The lanes' parts of the sums of some terms: one sum by itself waits for each addition.
   template <int count>

@@ -361,6 +361,7 @@ struct GroupBuffers {
   double* own_shape = nullptr;        // (slider mode, group): psi in the middle of the group
   // (4, lane): Bernstein coefficients of the slider's modes over a step; the last: at its end
   double* own_motion = nullptr;
+  double* sums = nullptr;  // (4, term): of the footprint's terms (Footprint::expand)
 };
 
 struct WorkSpace {
@@ -513,6 +514,7 @@ void visit_adaptive_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("evaluated", s.groups.evaluated, groups);
     visit("own_shape", s.groups.own_shape, n.slider_modes * padded);
     visit("own_motion", s.groups.own_motion, 4 * lanes);
+    visit("footprint_sums", s.groups.sums, 4 * n.footprint_sums());
   }
   if (n.smooth) {
     const auto points = static_cast<std::size_t>(padded_points(n.width));
@@ -555,7 +557,7 @@ void visit_arrays(WorkSpace& s, const Extents& n, Visit&& visit) {
     visit("tile_displacement", s.candidates.tile_displacement,
           static_cast<std::size_t>(n.padded_tiles() + n.width));
     visit("columns_close", s.candidates.columns, static_cast<std::size_t>(n.row_groups));
-    visit("footprint_terms", s.candidates.footprint, static_cast<std::size_t>(n.footprint_terms));
+    visit("footprint_terms", s.candidates.footprint, n.footprint_sums());
   }
   const auto listed = static_cast<std::size_t>(n.listed);
   visit("listed_nodes", s.listed_nodes, listed);

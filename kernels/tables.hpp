@@ -238,6 +238,10 @@ struct Extents {
   int tiles() const { return (row_groups + tile_groups() - 1) / tile_groups(); }
   int padded_tiles() const { return (tiles() + 2 * width - 2) / width * width; }
   int bands() const { return (rows + tile_rows - 1) / tile_rows; }
+  /// Footprint::sums.
+  std::size_t footprint_sums() const {
+    return static_cast<std::size_t>((footprint_terms + width - 1) / width * width);
+  }
   /// Even rows on which a place of a cluster may stand: that of a square may lie beyond the last.
   int place_rows() const { return (rows + square_reach) / 2 + 1; }
   /// Packs of nodes in all clusters.

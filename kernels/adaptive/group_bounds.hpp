@@ -51,7 +51,9 @@ class GroupBounds {
         slider_{slider},
         footprint_{lanes, limits},
         lists_{lists},
-        buffers_{buffers} {}
+        buffers_{buffers},
+        start_{buffers.sums},
+        end_{buffers.sums + 2 * footprint_.sums()} {}
 
   KOKKOS_FORCEINLINE_FUNCTION const Footprint<Lanes, packs>& footprint() const {
     return footprint_;
@@ -69,47 +71,52 @@ class GroupBounds {
   /// the modes do; less what the slider does in the middle of a group it is at most twice that.
   RA2D_FUNCTION Rise rise(const Place& place, const Modes& now, const Modes& end, double before,
                           double after, double error, double travel) {
-    const Real of_now(before / 3.0), of_end(after / 3.0);
-    Real first[packs], second[packs], last[packs];
-    for (int p = 0; p < filled<packs>(lanes_); ++p) {
-      first[p] = of_now * now.v[p];
-      last[p] = end.u[p] - now.u[p];
-      second[p] = multiply_add(of_end, Real(-1.0) * end.v[p], last[p]);
+    find_sums(place, now, end);
+    const Real of_now(before / 3.0), of_end(-after / 3.0);
+    Real rest[3], own[3];
+    for (int i = 0; i < 3; ++i) rest[i] = own[i] = Real(0.0);
+    const int terms = footprint_.sums();
+    for (int t = 0; t < terms; t += width) {
+      const Real first = of_now * lanes_.load(start_ + terms + t),
+                 last = lanes_.load(end_ + t) - lanes_.load(start_ + t),
+                 second = multiply_add(of_end, lanes_.load(end_ + terms + t), last);
+      rest[0] = rest[0] + Kokkos::abs(first);
+      rest[1] = rest[1] + Kokkos::abs(second);
+      rest[2] = rest[2] + Kokkos::abs(last);
     }
-    const Real* const moved[] = {first, second, last};
-    double most[3];
-    footprint_.most_in_group(place, moved, most);
-    const double rest =
-        Kokkos::min(2.0 * travel, Kokkos::max(Kokkos::max(most[0], most[1]), most[2]) + error);
-    Real own[3] = {Real(0.0), Real(0.0), Real(0.0)};
-    lanes_.sync();
-    for (int p = first_own_pack(); p < filled<packs>(lanes_); ++p) {
+    for (int p = 0; p < filled<packs>(lanes_); ++p) {
+      const Real first = of_now * now.v[p], last = end.u[p] - now.u[p],
+                 second = multiply_add(of_end, end.v[p], last);
+      const Real left = footprint_.remainder_in_group(p);
+      rest[0] = multiply_add(left, Kokkos::abs(first), rest[0]);
+      rest[1] = multiply_add(left, Kokkos::abs(second), rest[1]);
+      rest[2] = multiply_add(left, Kokkos::abs(last), rest[2]);
+      if (p < first_own_pack()) continue;
       const Real largest = footprint_.remainder(p);
-      own[0] = multiply_add(largest, Kokkos::abs(first[p]), own[0]);
-      own[1] = multiply_add(largest, Kokkos::abs(second[p]), own[1]);
-      own[2] = multiply_add(largest, Kokkos::abs(last[p]), own[2]);
+      own[0] = multiply_add(largest, Kokkos::abs(first), own[0]);
+      own[1] = multiply_add(largest, Kokkos::abs(second), own[1]);
+      own[2] = multiply_add(largest, Kokkos::abs(last), own[2]);
       double* const to = buffers_.own_motion + p * width;
       lanes_.store(to, now.u[p]);
-      lanes_.store(to + row, now.u[p] + first[p]);
-      lanes_.store(to + 2 * row, now.u[p] + second[p]);
+      lanes_.store(to + row, now.u[p] + first);
+      lanes_.store(to + 2 * row, now.u[p] + second);
       lanes_.store(to + 3 * row, end.u[p]);
     }
     lanes_.sync();
-    double of_first, of_second;
-    lanes_.sum(own[0], own[1], of_first, of_second);
-    const double all = Kokkos::max(Kokkos::max(of_first, of_second), lanes_.sum(own[2]));
-    return {all + rest, rest, Kokkos::min(2.0 * travel, most[2])};
+    double of_rest[3], of_own[3];
+    for (int i = 0; i < 3; ++i) lanes_.sum(rest[i], own[i], of_rest[i], of_own[i]);
+    const double most_rest = Kokkos::min(2.0 * travel, largest_of(of_rest) + error);
+    return {largest_of(of_own) + most_rest, most_rest, Kokkos::min(2.0 * travel, of_rest[2])};
   }
-
-  /// That at the end of a step between two states. There must be a footprint.
-  RA2D_FUNCTION double rise_at_end(const Place& place, const Modes& now, const Modes& end) const {
+  /// Rise::end of a step between two states. There must be a footprint.
+  RA2D_FUNCTION double rise_at_end(const Place& place, const Modes& now, const Modes& end) {
+    find_sums(place, now, end);
     Real last[packs];
     for (int p = 0; p < filled<packs>(lanes_); ++p) last[p] = end.u[p] - now.u[p];
-    const Real* const moved[] = {last};
-    double most[1];
-    footprint_.most_in_group(place, moved, most);
-    return most[0];
+    return footprint_.most_in_group(end_, start_, last);
   }
+  /// The sums of the footprint's terms at the beginning of the step.
+  KOKKOS_FORCEINLINE_FUNCTION const double* start_sums() const { return start_; }
 
   /// The most that the followed motion raises the overlaps of a group by within a step of
   /// `distance` [chi], at each of its nodes.
@@ -132,19 +139,19 @@ class GroupBounds {
   RA2D_FUNCTION void begin(const Place& place, int count) {
     risen_ = 0.0;
     lanes_.sync();
-    for (int e = 0; e < count; ++e) {
-      const int group = lists_.groups[e];
-      double own = 0.0;
-      if (follows())
-        for (int k = 0; k < slider_.modes; ++k)
-          own += own_shape(group, k) * lists_.reference_u[slider_.first_lane + k];
-      if (!lanes_.leader()) continue;
-      buffers_.evaluated[e] = -1;
-      if (!follows()) lists_.slope[e] = 0.0;
-      lists_.highest[e] -= lists_.slope[e] * place.theta + own;
-      for (int k = 0; k < slider_.modes; ++k)
-        buffers_.own_shape[k * stride() + e] = follows() ? own_shape(group, k) : 0.0;
-    }
+    if (lanes_.leader())
+      for (int e = 0; e < count; ++e) {
+        const int group = lists_.groups[e];
+        double own = 0.0;
+        for (int k = 0; k < slider_.modes; ++k) {
+          const double shape = follows() ? own_shape(group, k) : 0.0;
+          buffers_.own_shape[k * stride() + e] = shape;
+          own += shape * lists_.reference_u[slider_.first_lane + k];
+        }
+        buffers_.evaluated[e] = -1;
+        if (!follows()) lists_.slope[e] = 0.0;
+        lists_.highest[e] -= lists_.slope[e] * place.theta + own;
+      }
     lanes_.sync();
   }
   /// Forgets all bounds.
@@ -199,6 +206,11 @@ class GroupBounds {
 
   /// On to the next step, after one of so much that is not followed (Rise::end).
   KOKKOS_FORCEINLINE_FUNCTION void end_step(double rise) {
+    double* const swap = start_;
+    start_ = end_;
+    end_ = swap;
+    start_place_ = end_place_;
+    end_place_ = -1;
     ++steps_;
     risen_ += rise * (1.0 + 0x1p-40);
   }
@@ -244,8 +256,25 @@ class GroupBounds {
   GroupBuffers& buffers_;
   int selected_ = 0;
   double risen_ = 0.0;  // m
+  // of the footprint's terms at the beginning and the end of the step: sums of U, then of V
+  double *start_, *end_;
+  int start_place_ = -1, end_place_ = -1;  // Footprint::place_of; -1: they are not known
   std::int64_t steps_ = 0;
 
+  KOKKOS_FORCEINLINE_FUNCTION static double largest_of(const double (&x)[3]) {
+    return Kokkos::max(Kokkos::max(x[0], x[1]), x[2]);
+  }
+  /// Finds the sums at both ends of a step; those at the beginning, unless they are known.
+  RA2D_FUNCTION void find_sums(const Place& place, const Modes& now, const Modes& end) {
+    end_place_ = footprint_.place_of(place);
+    if (start_place_ != end_place_) {
+      const Real* const at[] = {now.u, now.v};
+      footprint_.expand(place, at, start_);
+      start_place_ = end_place_;
+    }
+    const Real* const at[] = {end.u, end.v};
+    footprint_.expand(place, at, end_);
+  }
   KOKKOS_FORCEINLINE_FUNCTION int stride() const { return faces_.groups + width; }
   KOKKOS_FORCEINLINE_FUNCTION int first_own_pack() const { return slider_.first_lane / width; }
   KOKKOS_FORCEINLINE_FUNCTION double own_motion(int i, int k) const {

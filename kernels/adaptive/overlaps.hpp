@@ -100,6 +100,10 @@ class Overlaps {
                                   const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
                                   std::int64_t ticks, double before, double after, double error) {
     Rise rise = group_bounds_.rise(place, now, end, before, after, error, bounds.travel);
+    // of the displacements at both ends, and of the rates as far as these are more than what they
+    // leave out
+    const double sums = 4.0 * sums_error(bounds);
+    rise = {rise.any + sums, rise.rest + sums, rise.end + sums};
     // candidate groups hold to the end of a spacing, a step may end a little beyond
     rise.any += 2.0 * (position_rounding(place) + motion_.advance) * faces_.steepest_rise;
     // and what is followed may be more than what a smooth face truly rises by
@@ -114,7 +118,14 @@ class Overlaps {
   /// Finds candidate groups that hold over the step, and likely over the `later` ticks after it.
   RA2D_FUNCTION void find_groups(const Place& place, const ModalState<Lanes, packs>& now,
                                  const MotionBounds& bounds, const Rise& rise, std::int64_t later) {
-    if (bounds_.searched == Nodes::all || candidates_.holds(now.u, place, rise.any)) return;
+    if (bounds_.searched == Nodes::all) return;
+    if (knows_footprint()) {  // then longest_rise() has found the sums
+      const double travel = rise.any + sums_error(bounds) + reference_error_;
+      if (candidates_.holds(now.u, group_bounds_.start_sums(), place, travel)) return;
+      reference_error_ = sums_error(bounds);
+    } else if (candidates_.holds(now.u, place, rise.any)) {
+      return;
+    }
     // what the modes may do within the step, and can be expected to do after it
     const double time = static_cast<double>(later) * motion_.time_step;
     const double expected = time < 1e30 ? time * group_bounds_.footprint().most(place, now.v) : 0.0;
@@ -145,7 +156,7 @@ class Overlaps {
                             const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
                             std::int64_t ticks) {
     if (!is_selective_ || !knows_footprint()) return;
-    const double rise = group_bounds_.rise_at_end(place, now, end);
+    const double rise = group_bounds_.rise_at_end(place, now, end) + 2.0 * sums_error(bounds);
     rise_at_end_ = with_path(now.u, bounds, ticks, {rise, rise, rise}).end;
   }
   /// Finds overlaps and rates at both ends of the step; at its beginning, where the modes are at u0
@@ -451,9 +462,10 @@ class Overlaps {
   GroupBounds<Lanes, packs> group_bounds_;
   // overlaps and their rates at the beginning and at the end of a step
   double *start_, *end_;
-  bool start_is_valid_ = false;  // `start_` is of the present state and candidate groups
-  double rise_at_end_ = 0.0;     // Rise::end of the step
-  bool is_selective_;            // areal scenes: evaluates selected groups
+  bool start_is_valid_ = false;   // `start_` is of the present state and candidate groups
+  double rise_at_end_ = 0.0;      // Rise::end of the step
+  double reference_error_ = 0.0;  // sums_error where the candidate groups were found
+  bool is_selective_;             // areal scenes: evaluates selected groups
 
   /// Lists the cells of a group that may come to `level`, but for those that the node's overlaps at
   /// the beginning, `overlap`, rule out (starts_high). `most`: what these become at the most.
@@ -531,6 +543,12 @@ class Overlaps {
   /// rate over the step, one of the series that is searched.
   KOKKOS_FORCEINLINE_FUNCTION double overlap_error(const MotionBounds& bounds) const {
     return bounds.cubic_remainder + 3.0 * bounds.rounding() + 2.0 * faces_.rounding;
+  }
+  /// Error of the sums of the footprint's terms at a displacement [m]: each is off by its
+  /// roundings, half of bounds.rounding() of what it adds up, and all polynomials of a mode
+  /// together are less than 25 times its largest shape.
+  KOKKOS_FORCEINLINE_FUNCTION static double sums_error(const MotionBounds& bounds) {
+    return 13.0 * bounds.rounding();
   }
   /// Error of the cubic through overlaps and rates at both ends of a step [m].
   KOKKOS_FORCEINLINE_FUNCTION double cubic_error(const MotionBounds& bounds, double time) const {

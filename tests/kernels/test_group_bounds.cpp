@@ -29,7 +29,7 @@ struct Listed : Filled {
   SceneState s;
   std::vector<int> groups, selected;
   std::vector<std::int64_t> evaluated;
-  std::vector<double> reference, highest, slope, own_shape, own_motion;
+  std::vector<double> reference, highest, slope, own_shape, own_motion, sums;
 
   explicit Listed(const Model& model) : Filled(model, many * width) {
     const std::size_t padded = n.groups + width;
@@ -38,13 +38,15 @@ struct Listed : Filled {
     for (std::vector<double>* row : {&highest, &slope}) row->assign(padded, 0.0);
     own_shape.assign(n.slider_modes * padded, 0.0);
     own_motion.assign(4 * n.lanes, 0.0);
+    sums.assign(4 * n.footprint_sums(), 0.0);
     reference.assign(n.lanes, 0.0);
     for (int e = 0; e < n.groups; ++e) groups[e] = e;
     s.work.candidates.groups = groups.data();
     s.work.candidates.highest = highest.data();
     s.work.candidates.slope = slope.data();
     s.work.candidates.reference_u = reference.data();
-    s.work.groups = {selected.data(), evaluated.data(), own_shape.data(), own_motion.data()};
+    s.work.groups = {selected.data(), evaluated.data(), own_shape.data(), own_motion.data(),
+                     sums.data()};
   }
   Place place_at(double position) const {
     SliderMotion motion = t.motion;
@@ -207,6 +209,52 @@ void select_every_group_that_comes_near(Faces faces_are) {
   EXPECT_GT(near, 1000);
   EXPECT_LT(chosen, all / 3);
 }
+/// Sums kept from step to step change nothing, also where another set of polynomials serves.
+TEST(GroupBounds, RiseIsThatOfBoundsThatKnowNothing) {
+  Dice dice(12);
+  ArealScene of = many_nodes();
+  of.plate.modes = 40;
+  Listed listed(areal_march(of, 1e-6, 1e-3).model);
+  const auto bounds_with = [&](GroupBuffers& buffers) {
+    return GroupBounds<HostLanes, many>(lanes, listed.t.motion, listed.t.faces, listed.t.slider,
+                                        listed.t.bounds, listed.s.work.candidates, buffers);
+  };
+  GroupBounds<HostLanes, many> bounds = bounds_with(listed.s.work.groups);
+  const std::size_t modes = listed.model.resonator.modes.size() + 3;
+  const auto random = [&] {
+    std::vector<double> x(listed.n.lanes, 0.0);
+    for (std::size_t k = 0; k < modes; ++k)
+      x[k] = 1e-7 * dice.uniform(-1, 1) / listed.t.bounds.largest_shape[k];
+    return x;
+  };
+  const FootprintTables& tables = listed.t.bounds.footprint;
+  ASSERT_GT(tables.places, 1);
+  State now = state_of(random(), random());
+  for (int step = 0; step < 40; ++step) {
+    const Place place =
+        listed.place_at(tables.first + dice.pick(tables.places) * tables.nodes + 0.5);
+    State end = state_of(random(), random());
+    const Rise rise = bounds.rise(place, now, end, 1.0, 0.5, 0.0, 1e300);
+    std::vector<double> sums(4 * listed.n.footprint_sums(), 0.0), motion(4 * listed.n.lanes, 0.0);
+    GroupBuffers apart = listed.s.work.groups;
+    apart.sums = sums.data(), apart.own_motion = motion.data();
+    GroupBounds<HostLanes, many> knows_nothing = bounds_with(apart);
+    const Rise alone = knows_nothing.rise(place, now, end, 1.0, 0.5, 0.0, 1e300);
+    EXPECT_EQ(rise.any, alone.any);
+    EXPECT_EQ(rise.rest, alone.rest);
+    EXPECT_EQ(rise.end, alone.end);
+    if (dice.one_in(3)) {
+      end = state_of(random(), random());
+      const double at_end = bounds.rise_at_end(place, now, end);
+      EXPECT_EQ(at_end, knows_nothing.rise_at_end(place, now, end));
+      EXPECT_NEAR(at_end, knows_nothing.rise(place, now, end, 1.0, 0.5, 0.0, 1e300).end,
+                  1e-13 * at_end);
+    }
+    bounds.end_step(0.0);
+    now = end;
+  }
+}
+
 TEST(GroupBounds, SelectEveryGroupThatComesNear) {
   select_every_group_that_comes_near(Faces::linear);
 }

@@ -32,7 +32,7 @@ struct Searched : Filled {
       row->assign(n.groups + n.width, 0.0);
     displacement.assign(n.padded_tiles() + n.width, 0.0);
     amplitudes.assign(2 * n.lanes, 0.0);
-    footprint.assign(n.footprint_terms, 0.0);
+    footprint.assign(n.footprint_sums(), 0.0);
     CandidateLists& lists = s.work.candidates;
     lists.groups = groups.data(), lists.coarse_groups = coarse_groups.data();
     lists.tiles = tiles.data(), lists.columns = columns.data();
