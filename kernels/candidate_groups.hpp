@@ -239,8 +239,9 @@ class CandidateGroups {
     const bool by_footprint = footprint().exists();
     const Real* const one[] = {u};
     if (by_footprint) footprint().expand(place, one, lists_.footprint);
-    // with the motion since then
-    double coarse_below = moved(lists_.coarse_reference_u, u, place) + below + error;
+    // with the motion since then, raised by the roundings of both displacements
+    const double gone = moved(lists_.coarse_reference_u, u, place);
+    double coarse_below = gone + 0x1p-43 * Kokkos::abs(gone) + below + error;
     // On maps a list that still holds is made anew once going through it in vain has cost more than
     // making it.
     if (!(place.base >= coarse_base_ && place.base < coarse_base_ + width &&
@@ -300,8 +301,7 @@ class CandidateGroups {
                                            const Place& place) const {
     Real away[packs];
     away_from(from, u, away);
-    return faces_.smooth ? (1.0 + 0x1p-43) * footprint().most(place, away)
-                         : footprint().most_raised(place, away);
+    return faces_.smooth ? footprint().most(place, away) : footprint().most_raised(place, away);
   }
   KOKKOS_FORCEINLINE_FUNCTION void away_from(const double* from, const Real* u, Real* away) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) away[p] = u[p] - lanes_.load(from + p * width);

@@ -77,7 +77,8 @@ class Footprint {
     return weighted_sum<Lanes, packs>(lanes_, limits_.largest_shape, x);
   }
   /// Bound on sum_k psi_k x_k itself: what moves all nodes alike, the first polynomial and the
-  /// slider's heave, counts with its sign. Raised by its own roundings.
+  /// slider's heave, counts with its sign. Raised by its own roundings. Without a footprint it is
+  /// most().
   RA2D_FUNCTION double most_raised(const Place& place, const Real* x) const {
     if constexpr (can_exist)
       if (exists()) {
@@ -85,7 +86,7 @@ class Footprint {
         const double bound = sum_terms(place, x, first);
         return with_sign(bound, first, x);
       }
-    return (1.0 + roundings) * most(place, x);
+    return most(place, x);
   }
   /// As above, of x, the difference of two vectors whose sums are given (expand).
   RA2D_FUNCTION double most_raised(const double* sums_of, const double* from, const Real* x) const {

@@ -155,7 +155,7 @@ class Overlaps {
   RA2D_FUNCTION void end_at(const Place& place, const ModalState<Lanes, packs>& now,
                             const ModalState<Lanes, packs>& end, const MotionBounds& bounds,
                             std::int64_t ticks) {
-    if (!is_selective_ || !knows_footprint()) return;
+    if (!knows_footprint()) return;
     const double rise = group_bounds_.rise_at_end(place, now, end) + 2.0 * sums_error(bounds);
     rise_at_end_ = with_path(now.u, bounds, ticks, {rise, rise, rise}).end;
   }
@@ -182,15 +182,13 @@ class Overlaps {
     double* const swap = start_;
     start_ = end_;
     end_ = swap;
-    if (!is_selective_) [[likely]]
-      return;
-    group_bounds_.end_step(rise_at_end_);
-    group_bounds_.take(end, u, start_);
+    end_bounds();
+    if (is_selective_) [[unlikely]]
+      group_bounds_.take(end, u, start_);
   }
   RA2D_FUNCTION void discard_start() {
     start_is_valid_ = false;
-    if (is_selective_) [[unlikely]]
-      group_bounds_.end_step(rise_at_end_);
+    end_bounds();
   }
   /// As discard_start(), where there is no bound on what a step has raised overlaps by.
   RA2D_FUNCTION void forget_start() {
@@ -422,6 +420,11 @@ class Overlaps {
   }
 
  private:
+  /// All that is kept for the next step, also where every group is evaluated: the footprint's sums.
+  KOKKOS_FORCEINLINE_FUNCTION void end_bounds() {
+    if (is_selective_ || knows_footprint()) [[unlikely]]
+      group_bounds_.end_step(rise_at_end_);
+  }
   RA2D_FUNCTION MovingCell moving_cell(int cell, const End& at) const {
     return node_contact_.moving_cell(cell, at.place, at.u, at.rate, at.slide_rate);
   }

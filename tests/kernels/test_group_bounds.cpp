@@ -255,6 +255,40 @@ TEST(GroupBounds, RiseIsThatOfBoundsThatKnowNothing) {
   }
 }
 
+/// Also where every group is evaluated, and none is selected.
+TEST(GroupBounds, RiseIsThatOfTheStepWhereAllNodesAreSearched) {
+  Dice dice(13);
+  const Model model = areal_march(many_nodes(), 1e-6, 1e-3, 1, Nodes::all).model;
+  Listed listed(model), other(model);
+  std::vector<double> ends(4 * listed.n.groups * width, 0.0);
+  listed.s.work.search.overlaps = other.s.work.search.overlaps = ends.data();
+  Overlaps<HostLanes, many> overlaps = overlaps_of<many>(listed.t, listed.s);
+  ASSERT_TRUE(overlaps.knows_footprint());
+  const std::size_t modes = model.resonator.modes.size() + 3;
+  const auto random = [&] {
+    std::vector<double> x(listed.n.lanes, 0.0);
+    for (std::size_t k = 0; k < modes; ++k)
+      x[k] = 1e-7 * dice.uniform(-1, 1) / listed.t.bounds.largest_shape[k];
+    return x;
+  };
+  const Place place = listed.place_at(std::floor(model.position) + 0.5);
+  const MotionBounds bounds{1.0, 0.0, 0.0, 1e-5};
+  State now = state_of(random(), random());
+  for (int step = 0; step < 12; ++step) {
+    const State end = state_of(random(), random()), elsewhere = state_of(random(), random());
+    const Rise rise = overlaps.longest_rise(place, now, end, bounds, 1000);
+    Overlaps<HostLanes, many> knows_nothing = overlaps_of<many>(other.t, other.s);
+    EXPECT_EQ(rise.rest, knows_nothing.longest_rise(place, now, end, bounds, 1000).rest);
+    const bool ends_elsewhere = step % 3 == 0;
+    if (ends_elsewhere) overlaps.end_at(place, now, elsewhere, bounds, 500);
+    now = ends_elsewhere ? elsewhere : end;
+    if (step % 2 == 0)
+      overlaps.discard_start();
+    else
+      overlaps.end_becomes_start(place, now.u);
+  }
+}
+
 TEST(GroupBounds, SelectEveryGroupThatComesNear) {
   select_every_group_that_comes_near(Faces::linear);
 }
