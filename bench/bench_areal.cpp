@@ -9,20 +9,19 @@
 // shocks and evaluated nodes per simulated second, seconds until it is ready, and the largest
 // number of nodes in contact at once.
 //
-// Came out with `adaptive` at 1e-6 on one core with eight lanes (EPYC, Zen 4, shared with others;
-// wall seconds per simulated second, medians of three; steps of 10 to 20 us, but 4 us at 8 um):
+// Came out with `adaptive` at 1e-6 on one core with eight lanes (Xeon, 2.6 GHz, shared with others;
+// wall seconds per simulated second, medians of five; steps of 10 to 20 us, but 4 us at 8 um):
 //
 //   spacing      64 um   50 um   32 um   16 um   8 um
-//    5 x  5 mm                   0.53
-//   10 x 10 mm   0.65    0.60    0.61    1.1
-//   20 x 20 mm   0.79            0.73    1.7     5.5      (6.25 million nodes, 59 touch)
-//   40 x 40 mm                   1.2
-//   80 x 80 mm                   4.1                      (6.25 million nodes)
+//    5 x  5 mm                   0.34
+//   10 x 10 mm   0.44    0.41    0.45    0.89
+//   20 x 20 mm   0.51            0.58    1.4     5.2      (6.25 million nodes, 59 touch)
+//   40 x 40 mm                   1.0
+//   80 x 80 mm                   3.7                      (6.25 million nodes)
 //
-// and with midpoint at 1e-6 s, 20 x 20 mm: 1.1 at 32 um, 2.9 at 8 um; with gautschi at 4e-6 s 0.53,
-// 0.65, 1.2 and 1.5 at 50, 32, 16 and 8 um. The machine was quiet; other runs differed by up to a
-// quarter. What machine it is counts: a core of Zen 5 that had its cache for itself took 0.51 at 10
-// mm and 50 um, 4.0 at 8 um, and 2.1 for midpoint at 8 um, by an older version.
+// and, 20 x 20 mm, with midpoint at 1e-6 s: 0.89 at 32 um, 2.4 at 8 um; with gautschi at 4e-6 s
+// 0.44, 0.54, 1.1 and 1.2 at 50, 32, 16 and 8 um. Other hours gave 0.37 to 0.44 at 10 mm and 50 um,
+// and 5.1 to 5.4 at 8 um.
 //
 // areal_cost.py makes areal_cost.csv and areal_cost.png of it.
 //

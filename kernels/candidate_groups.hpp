@@ -423,13 +423,15 @@ class CandidateGroups {
   }
   /// Lists a group whose nodes have the overlap `top` at the most, if that is near contact.
   KOKKOS_FORCEINLINE_FUNCTION void list_coarse(int group, const Real& top, int& count) {
+    // a CPU foretells no branch here, and a GPU is slow to find the highest
+    if (Lanes::on_gpu && lanes_.at_least(top, -coarse_below_) == 0) return;
     const double most = lanes_.max(top);
     if (lanes_.leader()) {
       RA2D_CHECK(count < faces_.groups);
       lists_.coarse_groups[count] = group;
       lists_.coarse_highest[count] = most;
     }
-    count += most >= -coarse_below_;  // no branch: none could be foretold
+    count += most >= -coarse_below_;
   }
 
   // ---- areal scenes
