@@ -149,8 +149,8 @@ class FacesCourse {
   }
 };
 
-/// The groups of nodes that can come into contact while no node passes another and U - U^ref moves
-/// none by more than `range` (kernels/footprint.hpp): all that a search for contact has to
+/// The groups of nodes that can come into contact while no node passes another and U - U^ref raises
+/// no overlap by more than `range` (kernels/footprint.hpp): all that a search for contact has to
 /// evaluate. U^ref are the modal displacements at which the list was made.
 ///
 /// Found in two passes. The first, coarse, takes for each node the highest point of the resonator's
@@ -423,7 +423,7 @@ class CandidateGroups {
   }
   /// Lists a group whose nodes have the overlap `top` at the most, if that is near contact.
   KOKKOS_FORCEINLINE_FUNCTION void list_coarse(int group, const Real& top, int& count) {
-    // a CPU foretells no branch here, and a GPU is slow to find the highest
+    // a CPU cannot predict the branch, and a GPU is slow to find the highest
     if (Lanes::on_gpu && lanes_.at_least(top, -coarse_below_) == 0) return;
     const double most = lanes_.max(top);
     if (lanes_.leader()) {

@@ -248,7 +248,8 @@ TEST(GroupBounds, RiseIsThatOfBoundsThatKnowNothing) {
       const double at_end = bounds.rise_at_end(place, now, end);
       EXPECT_EQ(at_end, knows_nothing.rise_at_end(place, now, end));
       EXPECT_NEAR(at_end, knows_nothing.rise(place, now, end, 1.0, 0.5, 0.0, 1e300).end,
-                  1e-13 * at_end);
+                  256 * 0x1p-53 * at_end)
+          << "two sums of less than 128 terms, none of them negative";
     }
     bounds.end_step(0.0);
     now = end;
