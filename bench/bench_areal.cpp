@@ -38,6 +38,7 @@
 #include "bench/report.hpp"
 #include "bench/timing.hpp"
 #include "host/chart/methods.hpp"
+#include "host/device/backend.hpp"
 #include "host/model/model.hpp"
 #include "host/run/timed_run.hpp"
 #include "host/surface/random_map.hpp"
@@ -114,6 +115,29 @@ void add_case(double side, double spacing, const Method& method, const std::stri
       });
 }
 
+/// As many copies of one scene side by side as there are threads, beside one of them alone: the
+/// time of one over that of all of them is 1 where threads do not slow one another down.
+void add_side_by_side(double side, double spacing, double duration, const std::string& small = "") {
+  add(fmt::format("side_by_side/{:g}mm/{:g}um{}", 1e3 * side, 1e6 * spacing, small), 1,
+      [=](benchmark::State& state) {
+        const Model model =
+            block_on_plate(side, spacing, duration, sized({{SchemeKind::adaptive}}, 1e-6));
+        const ModalStart start = make_start(model);
+        const auto count = static_cast<std::size_t>(scenes_at_once());
+        const std::vector<Model> models(count, model);
+        const std::vector<ModalStart> starts(count, start);
+        double one = 0, all = 0;
+        for (auto _ : state) {
+          one += timed_run(model, start).seconds;
+          const double seconds = timed_runs(models, starts).front().seconds;
+          state.SetIterationTime(seconds);
+          all += seconds;
+        }
+        state.counters["scenes"] = static_cast<double>(count);
+        state.counters["efficiency"] = one / all;
+      });
+}
+
 void add_cases() {
   const auto adaptive = [](double tolerance) { return sized({{SchemeKind::adaptive}}, tolerance); };
   const auto midpoint = [](double step) { return sized({{SchemeKind::midpoint}}, step); };
@@ -131,6 +155,9 @@ void add_cases() {
     add_case(20e-3, spacing, adaptive(1e-6), "adaptive:1e-06", spacing < 1e-5 ? 0.01 : 0.05);
   for (const double side : {5e-3, 40e-3, 80e-3})
     add_case(side, 32e-6, adaptive(1e-6), "adaptive:1e-06", 0.1);
+  add_side_by_side(4e-3, 1e-4, 2e-3, "/small");
+  add_side_by_side(10e-3, 50e-6, 0.5);
+  add_side_by_side(20e-3, 8e-6, 0.02);
 }
 
 const Added added({"areal", add_cases});

@@ -15,13 +15,22 @@
 
 namespace ra2d {
 
+void one_value_each_time(CLI::Option& option) {
+  option.take_all()->expected(1)->allow_extra_args(false);
+}
+
+void add_overrides(CLI::App& command, std::vector<std::string>& overrides,
+                   const std::string& of_what) {
+  CLI::Option* set = command.add_option(
+      "--set", overrides,
+      fmt::format("overrides one value of {}, e.g. --set contact.stiffness=1e14; repeatable",
+                  of_what));
+  set->type_name("SECTION.KEY=VALUE");
+  one_value_each_time(*set);
+}
+
 void add_scene_options(CLI::App& command, SceneOptions& options) {
-  command
-      .add_option("--set", options.overrides,
-                  "overrides one value of the scene, e.g. --set contact.stiffness=1e14; repeatable")
-      ->type_name("SECTION.KEY=VALUE")
-      ->take_all()
-      ->expected(1);
+  add_overrides(command, options.overrides, "the scene");
   command
       .add_option("--threads", options.threads,
                   "how many threads to use, at most one for each processor; a single scene uses "
@@ -205,9 +214,8 @@ CLI::Option* add_microphones(CLI::App& command, SoundRequest& request) {
               "above it [m]; may be repeated")
           ->type_name("X,Y,Z")
           ->check(understood("three numbers of metres, x,y,z, as 0.15,0.1,0.5",
-                             [](const std::string& text) { return to_position(text); }))
-          ->take_all()
-          ->expected(1);
+                             [](const std::string& text) { return to_position(text); }));
+  one_value_each_time(*at);
   command.add_option("--temperature", request.celsius, "of the air, degrees Celsius [20]")
       ->type_name("C")
       ->check(number_from(-50, 100, "from -50 to 100"));

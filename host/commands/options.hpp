@@ -17,6 +17,13 @@ namespace ra2d {
 
 struct SoundRequest;
 
+/// Lets an option be given many times, each time with one value: words after it are not its own.
+void one_value_each_time(CLI::Option& option);
+
+/// --set, which overrides values of a scene; `of_what` says of which, for the help.
+void add_overrides(CLI::App& command, std::vector<std::string>& overrides,
+                   const std::string& of_what);
+
 /// The options of a command that reads a scene.
 struct SceneOptions {
   std::filesystem::path scene;

@@ -318,13 +318,12 @@ void add_run(CLI::App& app, ChosenCommand& chosen) {
                     "replace any file that is there, also the result of another run (of this one: "
                     "--fresh)");
   add_checkpoints(*command, request->checkpoint, request->most_wall);
-  command
-      ->add_option("--zoom", request->zooms,
-                   "also sample a window at 1 MHz, to OUT.zoom-1.h5: strongest=N for those around "
-                   "the N strongest shocks, shock=NUMBER, or BEGIN,END (s); may be repeated")
-      ->type_name("WINDOW")
-      ->take_all()
-      ->expected(1);
+  CLI::Option* zoom = command->add_option(
+      "--zoom", request->zooms,
+      "also sample a window at 1 MHz, to OUT.zoom-1.h5: strongest=N for those around "
+      "the N strongest shocks, shock=NUMBER, or BEGIN,END (s); may be repeated");
+  zoom->type_name("WINDOW");
+  one_value_each_time(*zoom);
   command
       ->add_option("--zoom-rate", request->zoom_rate,
                    "samples a second in such windows, up to 1e7 [1e6]")

@@ -234,13 +234,7 @@ void add_run_options(CLI::App& study, StudyRequest& request) {
       ->type_name("N")
       ->transform(thread_count());
   add_device(study, request.device);
-  study
-      .add_option("--set", request.overrides,
-                  "overrides one value of the base and of [set], e.g. --set time.tolerance=1e-7; "
-                  "repeatable")
-      ->type_name("SECTION.KEY=VALUE")
-      ->take_all()
-      ->expected(1);
+  add_overrides(study, request.overrides, "the base and of [set]");
   add_checkpoints(study, request.checkpoint, request.most_wall);
   for (const char* of_runs : {"--checkpoint", "--max-wall"})
     for (CLI::Option* runs_nothing : {list, dry}) runs_nothing->excludes(study.get_option(of_runs));

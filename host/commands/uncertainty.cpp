@@ -79,13 +79,7 @@ void add_uncertainty(CLI::App& app, ChosenCommand& chosen) {
       ->required()
       ->check(path())
       ->transform(scene_or_name());
-  command
-      ->add_option("--set", request.overrides,
-                   "overrides one value of the scene, e.g. --set contact.stiffness=1e14; "
-                   "repeatable")
-      ->type_name("SECTION.KEY=VALUE")
-      ->take_all()
-      ->expected(1);
+  add_overrides(*command, request.overrides, "the scene");
   command
       ->add_option("--seeds", request.seeds,
                    "how many pairs of faces; of measured faces other stretches of the trace, its "

@@ -196,6 +196,15 @@ TEST_F(Program, WrongRequestsEndWithTwoAndSayWhy) {
   EXPECT_FALSE(fs::exists(folder_ / "peaks.h5"));
 }
 
+TEST_F(Program, TheSceneMayFollowAnOptionThatMayBeRepeated) {
+  const std::string scene = scene_file("drop");
+  EXPECT_EQ(run({"run", "--set", "scene.duration=1e-4", scene, "-o", "o.h5"}), 0) << err_;
+  EXPECT_EQ(run({"run", "--set", "scene.duration=1e-4", "--zoom", "0,1e-5", scene, "-o", "z.h5"}),
+            0)
+      << err_;
+  EXPECT_EQ(run({"run", scene, "--set", "scene.duration=1e-4", "scene.speed=1", "-o", "p.h5"}), 2);
+}
+
 TEST_F(Program, NumbersOfTheCommandLineAreRefusedBeforeAnythingRuns) {
   for (const char* budget : {"nan", "inf", "0", "-3", "1e300", "", "1e", "x"}) {
     EXPECT_EQ(run({"chart", "accuracy", "--budget", budget}), 2) << budget;
