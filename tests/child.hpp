@@ -2,8 +2,10 @@
 #pragma once
 #include <sys/types.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 /// Programs started by tests, in a folder of their own.
@@ -47,6 +49,17 @@ class Child {
   std::filesystem::path folder_;
   pid_t pid_ = -1;
 };
+
+/// Waits until something holds, but no more than two minutes: machines may be busy. Returns whether
+/// it does.
+template <class Holds>
+bool wait_until(const Holds& holds) {
+  for (int i = 0; i < 12'000; ++i) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
 
 struct Ended {
   int status;  // as of Child::wait

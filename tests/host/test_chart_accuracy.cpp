@@ -313,9 +313,7 @@ std::string await(const fs::path& file) {
 }
 
 void await_end(const std::string& process) {
-  for (int tenths = 0; tenths < 600 && !is_gone(process); ++tenths)
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  EXPECT_TRUE(is_gone(process));
+  EXPECT_TRUE(test::wait_until([&] { return is_gone(process); }));
 }
 
 /// A peer that never answers, and says which process it is.

@@ -450,9 +450,7 @@ TEST_F(Crash, AWallClockThatIsSetForthAndBackChangesNothing) {
 TEST_F(Crash, ASecondProcessOnOneOutputIsRefused) {
   std::vector<std::string> words = line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"});
   Child first(aside_.path(), words);
-  for (int i = 0; i < 500 && !fs::exists(folder_ / "out.h5.parts"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_TRUE(fs::exists(folder_ / "out.h5.parts"));
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out.h5.parts"); }));
   const Folder other;
   const Ended second = run_program(other.path(), words);
   EXPECT_EQ(second.status, 4);
@@ -463,13 +461,11 @@ TEST_F(Crash, ASecondProcessOnOneOutputIsRefused) {
 
 TEST_F(Crash, ASignalOfABatchSystemLeavesACheckpointAndTheRunGoesOn) {
   Child child(aside_.path(), line({"--set", "time.step=1e-9", "--set", "scene.duration=0.9"}));
-  for (int i = 0; i < 500 && !fs::exists(folder_ / "out.h5.parts"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  for (int i = 0; i < 500 && !fs::exists(checkpoint()); ++i) {
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out.h5.parts"); }));
+  EXPECT_TRUE(wait_until([&] {
     child.send(SIGUSR1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_TRUE(fs::exists(checkpoint()));
+    return fs::exists(checkpoint());
+  }));
   EXPECT_FALSE(fs::exists(out_)) << "it goes on";
   child.send(SIGHUP);
   EXPECT_EQ(child.wait(), 128 + SIGHUP);

@@ -60,14 +60,13 @@ class Program : public testing::Test {
   void wait_until_it_marches(const Child& run) const {
     constexpr double ready = 0.3;  // s
     double opened = HUGE_VAL;
-    for (int hundredths = 0; hundredths < 12'000; ++hundredths) {
+    const bool begun = test::wait_until([&] {
       for (const auto& entry : fs::directory_iterator(folder_))
         if (entry.path().string().find(".h5.partial") != std::string::npos)
           opened = std::min(opened, run.processor_seconds());
-      if (run.processor_seconds() > opened + ready) return;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    FAIL() << "no run began";
+      return run.processor_seconds() > opened + ready;
+    });
+    ASSERT_TRUE(begun) << "no run began";
   }
   const Folder temporary_;
   const fs::path folder_ = temporary_.path();
@@ -717,9 +716,8 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
     wait_until_it_marches(child);
     if (ra2d::backend_device().empty()) {  // a GPU's driver has some of its own
       // the thread that writes the file's beginning ends by itself
-      for (int tenths = 0; tenths < 300 && child.threads() > 1; ++tenths)
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      EXPECT_EQ(child.threads(), 1) << "there may be no more to be had (ulimit -u)";
+      EXPECT_TRUE(test::wait_until([&] { return child.threads() == 1; }))
+          << "there may be no more to be had (ulimit -u)";
     }
     child.send(signal);
     EXPECT_EQ(child.wait(), 128 + signal) << child.err();

@@ -450,11 +450,9 @@ TEST_F(Store, KilledWhileWritingLeavesNothingUnderTheFinalName) {
     for (const auto& entry : fs::directory_iterator(folder_)) return entry.file_size();
     return std::uintmax_t{0};
   };
-  for (int wait = 0; wait < 3000 && written() < 4'000'000; ++wait)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(test::wait_until([&] { return written() >= 4'000'000; }));
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
-  EXPECT_GE(written(), 4'000'000u);
   EXPECT_FALSE(fs::exists(path_));
 }
 

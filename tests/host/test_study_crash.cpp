@@ -66,11 +66,7 @@ scheme = {{ keys = ["time.scheme", "contact.law"], values = [["heun", "penalty"]
   }
   /// Waits until a study that runs has left a checkpoint.
   bool wait_for_checkpoint(const std::string& name) const {
-    for (int i = 0; i < 3000; ++i) {
-      if (!checkpoints(name).empty()) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
+    return wait_until([&] { return !checkpoints(name).empty(); });
   }
   /// Ends a study with a checkpoint of the run on its way.
   void cut_off(const std::string& name) const {
@@ -148,15 +144,13 @@ TEST_F(StudyCrash, ShortRunsLeaveNoTrace) {
 TEST_F(StudyCrash, ASignalOfABatchSystemLeavesCheckpointsAndTheStudyGoesOn) {
   Child child(folder_, line("out", {"--threads", "2", "--set", "time.step=1e-9"}));
   // before it has begun, the signal would end it
-  for (int i = 0; i < 3000 && !fs::exists(folder_ / "out" / "status.json"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(wait_until([&] { return fs::exists(folder_ / "out" / "status.json"); }));
   const std::size_t on_their_way =
       backend_name() == "Serial" || std::thread::hardware_concurrency() == 1 ? 1 : 2;
-  for (int i = 0; i < 3000 && checkpoints("out").size() < on_their_way; ++i) {
+  EXPECT_TRUE(wait_until([&] {
     child.send(SIGUSR1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_GE(checkpoints("out").size(), on_their_way) << "one of each run on its way";
+    return checkpoints("out").size() >= on_their_way;
+  })) << "one of each run on its way";
   const auto status = nlohmann::json::parse(read_file(folder_ / "out" / "status.json"));
   EXPECT_EQ(status["state"], "running");
   child.send(SIGHUP);

@@ -237,10 +237,10 @@ TEST_F(StudyProgram, InterruptedItKeepsWhatIsFinished) {
   write_study(4000);
   Child child = start({"study.toml", "-o", "out", "--threads", "1"});
   ASSERT_TRUE(child.wait_until_it_catches(SIGTERM));
-  for (int i = 0; i < 600 && !(fs::exists(folder_ / "out/ledger/all.log") &&
-                               fs::file_size(folder_ / "out/ledger/all.log") > 2000);
-       ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(test::wait_until([&] {
+    const fs::path ledger = folder_ / "out/ledger/all.log";
+    return fs::exists(ledger) && fs::file_size(ledger) > 2000;
+  }));
   child.send(SIGTERM);
   EXPECT_EQ(child.wait(), 128 + SIGTERM);
   EXPECT_THAT(child.err(), HasSubstr("are finished and kept; the same command continues"));
@@ -422,8 +422,7 @@ TEST_F(StudyProgram, WhicheverCallToTheDiskFailsNothingIsLost) {
 TEST_F(StudyProgram, AFolderThatGoesAwayEndsIt) {
   write_study(4000);
   Child child = start({"study.toml", "-o", "out", "--threads", "1"});
-  for (int i = 0; i < 600 && !fs::exists(folder_ / "out/status.json"); ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  ASSERT_TRUE(test::wait_until([&] { return fs::exists(folder_ / "out/status.json"); }));
   fs::rename(folder_ / "out", folder_ / "gone");
   EXPECT_EQ(child.wait(), 4);
   EXPECT_THAT(child.err(), HasSubstr("status.json'"));

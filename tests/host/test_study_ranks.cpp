@@ -5,13 +5,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "host/study/ledger.hpp"
@@ -74,10 +72,7 @@ class StudyRanks : public testing::Test {
   }
   /// Waits until each of two ranks has finished some runs.
   void wait_for_runs(const std::string& name) const {
-    for (int i = 0; i < 1200 && (runs_of(name, 0) < 5 || runs_of(name, 1) < 5); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(25));
-    ASSERT_GE(runs_of(name, 0), 5u);
-    ASSERT_GE(runs_of(name, 1), 5u);
+    ASSERT_TRUE(test::wait_until([&] { return runs_of(name, 0) >= 5 && runs_of(name, 1) >= 5; }));
   }
   nlohmann::json status_of(const std::string& name) const {
     return nlohmann::json::parse(test::read_file(folder_ / name / "status.json"));
@@ -137,8 +132,7 @@ TEST_F(StudyRanks, InterruptedTheyKeepWhatIsFinished) {
   time_to_end_ = 4;  // also where the machine is busy
   Child child = start(2, "study study.toml -o cut --threads 1");
   wait_for_runs("cut");
-  for (int i = 0; i < 400 && status_of("cut")["done"] == 0; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  EXPECT_TRUE(test::wait_until([&] { return status_of("cut")["done"] != 0; }));
   const auto running = status_of("cut");
   EXPECT_EQ(running["state"], "running");
   EXPECT_GE(running["done"], 5);
