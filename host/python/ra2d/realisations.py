@@ -244,14 +244,20 @@ class _MeasuredMap:
                            ("turned", (0, 1))):
             if len(found) == count:
                 return found
-            back = [2 * self.first[axis] + self.size[axis] - self.heights.shape[axis]
-                    for axis in axes]
+            back = [self._fold(axis) for axis in axes]
             found.append(self._written(name,
                                        np.roll(np.flip(self.heights, axes), back, axes), folder))
         for number in range(1, count - len(found) + 1):
             made, error = map_surrogate(self.heights, seed=2 * number + BODIES.index(self.body))
             found.append(self._written(f"surrogate {number}", made, folder, error))
         return found
+
+    def _fold(self, axis: int) -> int:
+        """By how much a mirror image is rolled: what is touched stands in its place then. The roll
+        joins the map's edges. Where the map goes on within what is touched, that would be a step
+        there, and it is not rolled."""
+        first, size, whole = self.first[axis], self.size[axis], self.heights.shape[axis]
+        return 2 * first + size - whole if first + size <= whole else 0
 
     def _stretches(self) -> list[tuple[int, int]]:
         """Steps [rows, columns] to other parts of the map, the nearest first; none overlaps."""

@@ -219,6 +219,23 @@ def test_measured_maps_have_other_parts_mirror_images_and_surrogates(folder):
     assert abs(np.corrcoef(whole.ravel(), z.ravel())[0, 1]) < 0.5
 
 
+def test_mirror_images_of_a_map_that_goes_on_have_no_steps(folder):
+    z = 1e-6 * ndimage.gaussian_filter(np.random.default_rng(1).normal(size=(20, 30)), 3)
+    face = ra2d.surface.array(z, 50e-6, folder / "short.npy", short="mirror")
+    scene = ra2d.scene("areal").change({"slider.length": 2e-3, "slider.width": 1.5e-3,
+                                        "duration": 1e-3, "spacing": 50e-6,
+                                        "slider.surface": face, "resonator.surface": face})
+    _, found = realisations.of_scene(scene, scene.complete(), 4, folder)
+    assert [pair[1].kind for pair in found] == ["as measured", "mirror image",
+                                                "mirror image across", "turned"]
+    for pair in found:
+        for face in pair:
+            made = np.load(face.value)
+            for axis in (0, 1):
+                steps = np.abs(np.diff(made, axis=axis)).max()
+                assert steps == np.abs(np.diff(z - z.mean(), axis=axis)).max()
+
+
 def test_a_surrogate_has_the_spectrum_of_its_map_without_edges():
     z = ndimage.gaussian_filter(np.random.default_rng(2).normal(size=(40, 61)), 2)
     smooth = realisations._smooth_part(z)
