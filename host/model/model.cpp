@@ -62,7 +62,7 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   nodes.side = *scene.side;
   nodes.rows = static_cast<std::size_t>(rows);
   nodes.nx = static_cast<std::size_t>(last_node(scene)) + 1;
-  nodes.first = static_cast<std::size_t>(scene.start / scene.spacing);
+  nodes.first = static_cast<std::size_t>(scene.start / scene.spacing + 1e-9);  // as last_node
   HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
   if (scene.faces == Faces::smooth) {
     // so that a spline does not feel where the run ends, but for the body's own end

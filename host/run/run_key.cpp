@@ -12,8 +12,9 @@
 #include "host/scene_file/scene_file.hpp"
 
 namespace ra2d {
+namespace {
 
-int numerics_version_of(const Scene& scene) {
+int version_of_motion(const Scene& scene) {
   if (!is_adaptive(scene))  // areal scenes: fine nodes share their sums over the modes
     return scene.kind == SceneKind::areal && scene.faces != Faces::smooth && !holds_forces(scene)
                ? 4
@@ -23,6 +24,21 @@ int numerics_version_of(const Scene& scene) {
   // are gathered in clusters, single ones have sums that serve four orders, and the order of the
   // series is chosen
   return scene.kind == SceneKind::areal ? 6 : 3;
+}
+
+bool has_map_that_goes_on(const Scene& scene) {
+  const auto goes_on = [](const SurfaceSpec& face) {
+    return face.kind == SurfaceKind::file && face.prepared.when_short != ShortProfile::refuse;
+  };
+  return scene.kind == SceneKind::areal &&
+         (goes_on(scene.resonator.surface) || goes_on(scene.slider.surface));
+}
+
+}  // namespace
+
+int numerics_version_of(const Scene& scene) {
+  constexpr int of_further_points = 10;  // splines through them, behind what is touched
+  return version_of_motion(scene) + (has_map_that_goes_on(scene) ? of_further_points : 0);
 }
 
 std::string run_key(const Model& model) {

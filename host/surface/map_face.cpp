@@ -77,39 +77,56 @@ PlacesOnLine places_on_map(const std::filesystem::path& file, const MapAxis& axi
   return places;
 }
 
-/// Height and slope along x of rows of `nx` nodes.
-FaceExtent extent_of_rows(const std::vector<double>& heights, std::size_t nx, double spacing) {
-  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
-  const double rises = compensated_sum(heights.size(), [&](std::size_t i) {
-    return i % nx == 0 ? 0.0 : (heights[i] - heights[i - 1]) * (heights[i] - heights[i - 1]);
-  });
-  const std::size_t steps = heights.size() - heights.size() / nx;
-  return {*high - *low, std::sqrt(rises / static_cast<double>(steps)) / spacing};
+/// Part of a grid, from place to place along x and along y. A point is 1 from the next.
+struct GridPart {
+  double left, right, low, high;
+};
+
+/// Root mean square slope along x or y of a part of heights in rows of `nx`. A step that lies half
+/// in the part counts by half.
+double slope_of(const std::vector<double>& heights, std::size_t nx, const GridPart& part,
+                bool along_y, double spacing) {
+  const auto whole = [](double place) { return static_cast<std::size_t>(place); };
+  const std::size_t left = whole(part.left), low = whole(part.low);
+  const std::size_t right = whole(std::ceil(part.right)) + (along_y ? 1 : 0),
+                    high = whole(std::ceil(part.high)) + (along_y ? 0 : 1);
+  const std::size_t step = along_y ? nx : 1;
+  const double from = along_y ? part.low : part.left, to = along_y ? part.high : part.right;
+  double squares = 0, steps = 0;
+  for (std::size_t j = low; j < high; ++j)
+    for (std::size_t i = left; i < right; ++i) {
+      const double rise = heights[j * nx + i + step] - heights[j * nx + i];
+      const auto begin = static_cast<double>(along_y ? j : i);
+      const double share = std::min(begin + 1, to) - std::max(begin, from);
+      squares += share * rise * rise;
+      steps += share;
+    }
+  return steps > 0 ? std::sqrt(squares / steps) / spacing : 0;
 }
 
-/// The map with the points that the nodes need: nx by ny that are touched, `wanted` along x.
+/// The map with the points that the nodes need: `touched` along x and along y, `wanted` where it
+/// goes on.
 HeightMap wide_enough(HeightMap map, const SurfaceSpec& spec, const std::filesystem::path& file,
-                      double nx, double ny, double wanted, std::vector<std::string>* doubts) {
-  const auto is_short = [&map](double along, double across) {
-    return along > static_cast<double>(map.nx) || across > static_cast<double>(map.ny);
-  };
-  if (!is_short(wanted, ny)) return map;
-  if (spec.prepared.when_short == ShortProfile::refuse)
+                      std::pair<double, double> touched, std::pair<double, double> wanted,
+                      std::vector<std::string>* doubts) {
+  const bool is_short =
+      touched.first > static_cast<double>(map.nx) || touched.second > static_cast<double>(map.ny);
+  const bool repeats = spec.prepared.when_short == ShortProfile::repeat;
+  if (spec.prepared.when_short == ShortProfile::refuse) {
+    if (!is_short) return map;
     refuse_measured_map(
         file, fmt::format("it has {} by {} points, and up to {:.0f} by {:.0f} are touched: give a "
                           "larger map, or say short = \"repeat\" or \"mirror\"",
-                          map.nx, map.ny, nx, ny));
-  if (doubts != nullptr && is_short(nx, ny))
-    doubts->push_back(fmt::format(
-        "{}: {} by {} points, fewer than are touched: {}", file.string(), map.nx, map.ny,
-        spec.prepared.when_short == ShortProfile::repeat ? "repeated" : "mirrored"));
-  const MapExtension how = spec.prepared.when_short == ShortProfile::repeat ? MapExtension::repeat
-                                                                            : MapExtension::mirror;
-  wanted = std::max(wanted, static_cast<double>(map.nx));
-  ny = std::max(ny, static_cast<double>(map.ny));
-  require_map_size(file.string(), wanted, ny);
-  return extended_map(map, how, static_cast<std::size_t>(wanted), static_cast<std::size_t>(ny),
-                      file.string());
+                          map.nx, map.ny, touched.first, touched.second));
+  }
+  if (doubts != nullptr && is_short)
+    doubts->push_back(fmt::format("{}: {} by {} points, fewer than are touched: {}", file.string(),
+                                  map.nx, map.ny, repeats ? "repeated" : "mirrored"));
+  const double nx = std::max(wanted.first, static_cast<double>(map.nx)),
+               ny = std::max(wanted.second, static_cast<double>(map.ny));
+  require_map_size(file.string(), nx, ny);
+  return extended_map(map, repeats ? MapExtension::repeat : MapExtension::mirror,
+                      static_cast<std::size_t>(nx), static_cast<std::size_t>(ny), file.string());
 }
 
 /// How many of the nodes that are welcome behind the last of these a map has: as far as its points
@@ -132,17 +149,35 @@ std::vector<double> points_at(const HeightMap& map, const PlacesOnLine& x, const
   return heights;
 }
 
+/// The nodes that stand on the map.
+GridPart part_on_face(const MapRows& rows) {
+  return {static_cast<double>(rows.first), static_cast<double>(rows.nx - 1), 0,
+          static_cast<double>(rows.heights.size() / rows.nx - 1)};
+}
+
 /// Doubts where the nodes stand between the points: waves that the nodes are too far apart for, and
-/// heights that the map does not know. `slope`: of the nodes along x, root mean square.
-void doubt_between(const std::filesystem::path& file, const HeightMap& map, const MapAxis& along,
-                   const MapAxis& across, double slope, std::vector<std::string>& doubts) {
-  const double own = extent_of_rows(map.heights, map.nx, map.spacing).slope;
-  if (along.own < along.spacing && slope < (1 - most_slope_lost) * own)
+/// heights that the map does not know.
+void doubt_between(const std::filesystem::path& file, const HeightMap& map, const PlacesOnLine& x,
+                   const PlacesOnLine& y, const MapRows& rows, const MapAxis& along,
+                   const MapAxis& across, std::vector<std::string>& doubts) {
+  const auto on_map = [](double place, std::size_t points) {
+    return std::clamp(place, 0.0, static_cast<double>(points - 1));
+  };
+  const GridPart of_points{on_map(x[rows.first], map.nx), on_map(x.last(), map.nx),
+                           on_map(y.first, map.ny), on_map(y.last(), map.ny)};
+  for (const bool along_y : {false, true}) {
+    const MapAxis& axis = along_y ? across : along;
+    if (!(axis.own < axis.spacing)) continue;
+    const double own = slope_of(map.heights, map.nx, of_points, along_y, axis.own),
+                 slope = slope_of(rows.heights, rows.nx, part_on_face(rows), along_y, axis.spacing);
+    if (!(slope < (1 - most_slope_lost) * own)) continue;
     doubts.push_back(fmt::format(
-        "{}: nodes {:.4g} m apart show a root mean square slope of {:.3g}, {:.0f} % less than the "
-        "points, {:.4g} m apart: shorter waves are cut. A scene.spacing nearer to the points shows "
-        "them",
-        file.string(), along.spacing, slope, 100 * (1 - slope / own), along.own));
+        "{}: nodes {:.4g} m apart along {} show a root mean square slope of {:.3g}, {:.0f} % less "
+        "than the points, {:.4g} m apart: shorter waves are cut. A scene.{} nearer to the points "
+        "shows them",
+        file.string(), axis.spacing, along_y ? 'y' : 'x', slope, 100 * (1 - slope / own), axis.own,
+        along_y ? "spacing_y" : "spacing"));
+  }
   for (const auto& [axis, which, key] :
        {std::tuple{&along, "points along x", "spacing"}, std::tuple{&across, "rows", "spacing_y"}})
     if (axis->own > usual_faces::coarse_nodes * axis->spacing)
@@ -201,10 +236,13 @@ MapRows measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
   const auto points = [](const PlacesOnLine& places) {
     return std::ceil(places.last() + 0.5 - drift);
   };
-  const double touched = points(x);
+  const std::pair touched{points(x), points(y)};
   x.count += nodes_beyond(map, how, x, nodes.beyond);
-  map = wide_enough(std::move(map), spec, file, touched, points(y), points(x), doubts);
   const bool on_points = along.is_on_points() && across.is_on_points();
+  // where the map goes on, a spline feels neither the run's end nor the slider's side
+  const double felt = on_points ? 0 : spline_neighbours;
+  map = wide_enough(std::move(map), spec, file, touched, {points(x) + felt, points(y) + felt},
+                    doubts);
   if (!on_points)
     require_map_size(file.string(), static_cast<double>(x.count), rows_on_spline(map, y));
   MapRows rows;
@@ -212,10 +250,10 @@ MapRows measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
   rows.first = static_cast<std::size_t>(
       std::clamp(std::ceil(-x.first / x.step), 0.0, static_cast<double>(nodes.first)));
   rows.heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
-  const FaceExtent extent = extent_of_rows(rows.heights, rows.nx, nodes.spacing);
-  if (!on_points && doubts != nullptr)
-    doubt_between(file, map, along, across, extent.slope, *doubts);
-  check_proportion(file, extent, {"body", nodes.length, nodes.thickness}, doubts);
+  if (!on_points && doubts != nullptr) doubt_between(file, map, x, y, rows, along, across, *doubts);
+  const auto [low, high] = std::minmax_element(rows.heights.begin(), rows.heights.end());
+  const double slope = slope_of(rows.heights, rows.nx, part_on_face(rows), false, nodes.spacing);
+  check_proportion(file, {*high - *low, slope}, {"body", nodes.length, nodes.thickness}, doubts);
   return rows;
 }
 

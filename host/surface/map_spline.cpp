@@ -12,9 +12,6 @@ namespace ra2d {
 namespace {
 
 constexpr std::size_t a_block = 64;  // rows or columns
-/// Points further away than that move a spline by less than a rounding: their weight falls by 3.7
-/// from point to point.
-constexpr std::size_t neighbours = 40;
 
 /// A place on the spline through heights z with the curvatures c: z[i] of_z[0] + z[i + 1] of_z[1] +
 /// c[i] of_c[0] + c[i + 1] of_c[1].
@@ -89,8 +86,8 @@ struct Rows {
       return static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(map.ny - 1)));
     };
     const std::size_t low = row(std::floor(y.first)), high = row(std::ceil(y.last()));
-    first = low > neighbours ? low - neighbours : 0;
-    end = std::min(map.ny, high + neighbours + 1);
+    first = low > spline_neighbours ? low - spline_neighbours : 0;
+    end = std::min(map.ny, high + spline_neighbours + 1);
   }
 };
 

@@ -17,6 +17,10 @@ struct PlacesOnLine {
   double last() const { return (*this)[count - 1]; }
 };
 
+/// Points further away than that move a spline by less than a rounding: their weight falls by 3.7
+/// from point to point.
+constexpr std::size_t spline_neighbours = 40;
+
 /// The map's bicubic spline at each place along x in each place along y, as a map of that many
 /// points: cubic splines along x (spline_curvatures), and along y through what these give. On a
 /// point of the map it has the map's bits. Beyond the outermost points it goes on straight for half

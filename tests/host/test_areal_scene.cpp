@@ -401,6 +401,45 @@ TEST_F(MeasuredMaps, OfOtherSpacingsAreSplines) {
           << i << ' ' << j;
 }
 
+/// Where a map goes on, the height at a place does not depend on how much of the face is touched.
+TEST_F(MeasuredMaps, GoOnBetweenTheirPointsBehindWhatIsTouched) {
+  write("map.txt", 40, 9, odd_height);
+  for (const char* words : {"short=\"mirror\"", "short=\"repeat\""})
+    for (const char* faces : {"scene.faces=linear", "scene.faces=smooth"}) {
+      const auto model = [&](double duration, double width) {
+        return make_model(areal(
+            {fmt::format("resonator.surface={{kind=\"file\",path=\"map.txt\",spacing=1.3e-4,"
+                         "spacing_y=1.7e-4,{}}}",
+                         words),
+             fmt::format("scene.duration={}", duration), fmt::format("slider.width={}", width),
+             "scene.side=0.01", "scene.start=0.002", faces},
+            folder_.path() / "s.toml"));
+      };
+      // 1.4 mm: within half a row behind the map's last one
+      const Model few = model(1e-3, 1.4e-3), many = model(8e-3, 4e-3);
+      for (int row = 0; row < few.rows; ++row)
+        for (int n = 0; n < few.row_heights(); ++n) {
+          const auto at = [&](const std::vector<double>& heights, const Model& m) {
+            return heights[static_cast<std::size_t>(row * m.row_heights() + n)];
+          };
+          // what lies further away weighs less than a rounding
+          ASSERT_NEAR(at(few.resonator_height, few), at(many.resonator_height, many),
+                      100 * test::eps * 1e-7)
+              << words << ' ' << faces << ' ' << row << ' ' << n;
+        }
+    }
+}
+
+/// 3e-4/1e-4 is less than 3.
+TEST_F(MeasuredMaps, MayBeginWhereTheSliderStarts) {
+  write("plate.txt", 30, 6, odd_height);
+  Changes changes_of = changes("", "path=\"plate.txt\",offset_x=3e-4");
+  changes_of.emplace_back("scene.start=3e-4");
+  const Model m = make_model(areal(changes_of, folder_.path() / "s.toml"));
+  const auto height = [&](int n) { return m.resonator_height[static_cast<std::size_t>(n)]; };
+  EXPECT_NEAR(height(5) - height(3), odd_height(2, 0) - odd_height(0, 0), 1e-20);
+}
+
 TEST_F(MeasuredMaps, OfOtherSpacingsAreDoubted) {
   const auto doubts = [&](const char* name, double spacing, double length) {
     const int nx = static_cast<int>(1e-3 / spacing) + 2,
@@ -417,12 +456,38 @@ TEST_F(MeasuredMaps, OfOtherSpacingsAreDoubted) {
   EXPECT_THAT(doubts("rough.txt", 1.5e-4, 4e-4),
               Contains(AllOf(HasSubstr("rough.txt"), HasSubstr("this face is little known"))));
   EXPECT_THAT(doubts("fine.txt", 2e-5, 3e-4),
-              Contains(AllOf(HasSubstr("fine.txt"), HasSubstr("nodes 0.0001 m apart show"),
+              Contains(AllOf(HasSubstr("fine.txt"), HasSubstr("nodes 0.0001 m apart along x show"),
                              HasSubstr("A scene.spacing nearer to the points"))));
+  EXPECT_THAT(doubts("fine.txt", 2e-5, 3e-4),
+              Contains(AllOf(HasSubstr("nodes 0.0002 m apart along y show"),
+                             HasSubstr("A scene.spacing_y nearer to the points"))));
   EXPECT_THAT(doubts("wide.txt", 5e-3, 1e-1),
               AllOf(Contains(HasSubstr("points along x are 0.005 m apart, 50 nodes")),
                     Contains(HasSubstr("rows are 0.005 m apart, 25 nodes")),
                     Contains(HasSubstr("in metres?"))));
+}
+
+/// Slopes of nodes and points are compared where both are: not with steeper points beside the
+/// slider, nor with the level rows in front of the map.
+TEST_F(MeasuredMaps, AreNotDoubtedForSlopesElsewhere) {
+  const double spacing = 9e-5;
+  const auto wave = [&](int i, int j) {
+    const double steeper = i < 20 && j < 16 ? 1 : 3;
+    return 1e-6 * steeper * std::sin(6.283e3 * spacing * i) * std::cos(6.283e3 * spacing * j);
+  };
+  write("steeper.txt", 60, 40, wave);
+  write("late.txt", 60, 40, [&](int i, int j) { return wave(i % 10, j % 10); });
+  const auto doubts = [&](const char* body, const char* words) {
+    return make_model(areal({fmt::format("{}.surface={{kind=\"file\",spacing={},{}}}", body,
+                                         spacing, words),
+                             "scene.spacing_y=1e-4"},
+                            folder_.path() / "s.toml"))
+        .doubts;
+  };
+  using testing::Contains;
+  EXPECT_THAT(doubts("slider", "path=\"steeper.txt\""), Not(Contains(HasSubstr("slope"))));
+  EXPECT_THAT(doubts("resonator", "path=\"late.txt\",offset_x=0.0199"),
+              Not(Contains(HasSubstr("slope"))));
 }
 
 // ---- what is refused
