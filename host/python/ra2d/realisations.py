@@ -256,12 +256,16 @@ class _MeasuredMap:
         """By how much a mirror image is rolled: what is touched stands in its place then. The roll
         joins the map's edges. Where the map goes on within what is touched, that would be a step
         there, and it is not rolled."""
-        first, size, whole = self.first[axis], self.size[axis], self.heights.shape[axis]
-        return 2 * first + size - whole if first + size <= whole else 0
+        return (2 * self.first[axis] + self.size[axis] - self.heights.shape[axis]
+                if self._is_within(axis) else 0)
+
+    def _is_within(self, axis: int) -> bool:
+        """Whether what is touched ends within the map."""
+        return self.first[axis] + self.size[axis] <= self.heights.shape[axis]
 
     def _stretches(self) -> list[tuple[int, int]]:
         """Steps [rows, columns] to other parts of the map, the nearest first; none overlaps."""
-        if "short" in self.face:
+        if not (self._is_within(0) and self._is_within(1)):
             return []
         places = [range(-(begin // part), (whole - begin) // part) for begin, part, whole in
                   zip(self.first, self.size, self.heights.shape)]
@@ -301,11 +305,14 @@ def _measured_map(complete: Mapping[str, Any], body: str) -> _MeasuredMap:
         travel = float(scene["speed"]) * float(scene["duration"])
     along, across = float(described["spacing"]), float(described["spacing_y"])
     few = 1e-6  # of a point: roundings
-    first = (math.floor((side - float(face.get("offset_y", side))) / across + few),
-             math.floor((begins - float(face.get("offset_x", 0.0))) / along + few))
+    first = (max(0, math.floor((side - float(face.get("offset_y", side))) / across + few)),
+             max(0, math.floor((begins - float(face.get("offset_x", 0.0))) / along + few)))
     size = (math.ceil(float(slider["width"]) / across - few),
             math.ceil(float(slider["length"]) / along - few) + 1
             + (math.ceil(travel / along) + 1 if body == "resonator" else 0))
+    if "short" not in face:  # all that is touched is there: the sizes are rounded up
+        rows, columns = heights.shape
+        size = (min(size[0], rows - first[0]), min(size[1], columns - first[1]))
     return _MeasuredMap(body, face, heights, (across, along), first, size)
 
 

@@ -193,14 +193,16 @@ def test_arrays_are_maps(areal, folder):
             refused()
 
 
-def test_measured_maps_have_other_parts_mirror_images_and_surrogates(folder):
+@pytest.mark.parametrize("words", [{}, {"short": "mirror"}, {"offset_x": 2e-5}])
+def test_measured_maps_have_other_parts_mirror_images_and_surrogates(folder, words):
     random = np.random.default_rng(1)
     z = 1e-6 * ndimage.gaussian_filter(random.normal(size=(70, 90)), 3)
     scene = ra2d.scene("areal").change({"slider.length": 2e-3, "slider.width": 1.5e-3,
                                         "duration": 1e-3,
                                         "spacing": 50e-6,
                                         "slider.surface":
-                                        ra2d.surface.array(z, 50e-6, folder / "z.npy")})
+                                        ra2d.surface.array(z, 50e-6, folder / "z.npy",
+                                                           **words)})
     _, found = realisations.of_scene(scene, scene.complete(), 9, folder)
     kinds = [pair[1].kind for pair in found]
     # 41 of 90 nodes and 30 of 70 rows are touched: two parts across, two along, none overlaps
