@@ -140,6 +140,38 @@ std::string add_row(const TextDialect& dialect, const TextFields& fields, std::s
   return {};
 }
 
+/// How far the numbers of a row or column are from even steps, in steps: number k is
+/// numbers[first + k stride]. Number 0 is left out: beside places along x and y it is a corner's.
+/// NaN where the ends are missing or alike.
+double unevenness(const std::vector<double>& numbers, std::size_t first, std::size_t stride,
+                  std::size_t count) {
+  const auto at = [&](std::size_t k) { return numbers[first + k * stride]; };
+  const double step = (at(count - 1) - at(1)) / static_cast<double>(count - 2);
+  double most = 0;
+  for (std::size_t k = 1; k < count; ++k)
+    most = std::max(most, std::abs(at(k) - at(1) - static_cast<double>(k - 1) * step));
+  return most / std::abs(step);
+}
+
+/// Doubt of a first row or column that some programs write around the heights: the places of the
+/// points. Empty where there is none.
+std::string doubt_of_places(const std::filesystem::path& file, const BareMap& map) {
+  constexpr double of_places = 0.25, of_heights = 2;  // steps: a print's rounding; a rough face
+  constexpr std::size_t fewest = 10;                  // numbers that are not even by chance
+  for (const bool along_y : {false, true}) {
+    const std::size_t count = along_y ? map.ny : map.nx, stride = along_y ? map.nx : 1;
+    if (count < fewest || !(unevenness(map.numbers, 0, stride, count) <= of_places) ||
+        unevenness(map.numbers, along_y ? 1 : map.nx, stride, count) <= of_heights)
+      continue;
+    const char* const line = along_y ? "column" : "row";
+    return fmt::format(
+        "{}: the numbers of its first {} go in even steps, as places along {} do. They are read as "
+        "heights: if they are none, take that {} off the file",
+        file.string(), line, along_y ? 'y' : 'x', line);
+  }
+  return {};
+}
+
 }  // namespace
 
 BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
@@ -173,8 +205,8 @@ BareMap read_map_text(const std::filesystem::path& file, DecimalMark decimal) {
     faults.push_back({lines.number(), std::move(fault)});
   }
   if (!faults.empty()) refuse(file, std::move(faults));
-  if (at_ends.may_be_cut()) map.doubt = doubt_of_last_line(file);
   require_map_size(file.string(), static_cast<double>(map.nx), static_cast<double>(map.ny));
+  map.doubt = at_ends.may_be_cut() ? doubt_of_last_line(file) : doubt_of_places(file, map);
   return map;
 }
 

@@ -280,6 +280,34 @@ TEST_F(MapFile, TextMissingPoints) {
   expect_read("1e-7;;3e-7\nNaN;n/a;NA\n", 3, {1e-7, nan, 3e-7, nan, nan, nan}, spaced());
 }
 
+/// Some programs write the places of the points around the heights.
+TEST_F(MapFile, TextWithPlacesInItsFirstRowOrColumnIsDoubted) {
+  const auto doubt = [&](bool has_x, bool has_y, double tilt = 0) {
+    std::string text = "z [um], spacing = 8 um\n";
+    if (has_x) {
+      text += has_y ? "0" : "";
+      for (int i = 0; i < 15; ++i) text += fmt::format(" {:.3f}", 0.0083 * i);
+      text += '\n';
+    }
+    for (int j = 0; j < 12; ++j) {
+      text += has_y ? fmt::format("{:.3f}", 0.0083 * j) : "";
+      for (int i = 0; i < 15; ++i)
+        text +=
+            i == 14 && j == 0
+                ? std::string(" nan")
+                : fmt::format(" {:.3f}", tilt * (i + 2 * j) + std::sin(1.7 * i * j + i + 2.9 * j));
+      text += '\n';
+    }
+    return read(text, {}).doubt;
+  };
+  EXPECT_EQ(doubt(false, false), "");
+  EXPECT_EQ(doubt(false, false, 10), "");  // all rows and columns are even
+  EXPECT_THAT(doubt(true, false), HasSubstr("its first row go in even steps, as places along x"));
+  EXPECT_THAT(doubt(false, true),
+              HasSubstr("its first column go in even steps, as places along y"));
+  EXPECT_THAT(doubt(true, true), HasSubstr("its first row"));
+}
+
 // ---- round trips
 
 TEST_F(MapFile, WhatIsWrittenIsReadBackToTheBit) {
