@@ -62,7 +62,10 @@ HeightMaps maps_of(const Scene& scene, std::vector<std::string>& doubts) {
   nodes.side = *scene.side;
   nodes.rows = static_cast<std::size_t>(rows);
   nodes.nx = static_cast<std::size_t>(last_node(scene)) + 1;
-  nodes.first = static_cast<std::size_t>(scene.start / scene.spacing + 1e-9);  // as last_node
+  // A map may begin where the slider starts, though roundings or the pairs of runs of
+  // 'ra2d plan --accuracy' let it start a little in front of that.
+  constexpr double in_front = 1e-3;  // of a spacing
+  nodes.first = static_cast<std::size_t>(scene.start / scene.spacing + in_front);
   HeightMaps maps{static_cast<int>(rows), spacing_y, *scene.side, {}, {}};
   if (scene.faces == Faces::smooth) {
     // so that a spline does not feel where the run ends, but for the body's own end
