@@ -17,7 +17,8 @@ from markupsafe import Markup
 
 from . import files, page_pictures, page_svg, plots, program, study_plot
 from .errors import RequestError, kept_notices
-from .page_words import html, number, printable, requested, shortened, spread, without_folders
+from .page_words import (html, message_without_folders, number, printable, requested, shortened,
+                         spread, without_folders)
 from .results import BODIES
 from .style import quantity, unit_text
 
@@ -137,16 +138,20 @@ def _peaks(found: dict[str, Any]) -> list[list[Markup]]:
             for peak in found["peaks"] if peak["damping"] is not None]
 
 
+def _brief(message: str) -> str:
+    return shortened(message_without_folders(message), LONGEST_DOUBT)
+
+
 def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
     """Doubts that a reader should not overlook."""
     closure, aliased, tone, doubts = found["energy"]["closure"], found["aliased_modes"], found[
         "mesh_tone"], []
     if not result.complete:
         why = str(result.attrs.get("ended", "the file does not say why"))
-        doubts.append(f"The run was cut short: {shortened(why, LONGEST_DOUBT)}")
+        doubts.append("The run was cut short: " + _brief(why))
     if "beyond_limit" in result.attrs:
         doubts.append("The step is beyond a limit of stability, on request: "
-                      + shortened(str(result.attrs["beyond_limit"]), LONGEST_DOUBT))
+                      + _brief(str(result.attrs["beyond_limit"])))
     if closure is not None and closure > MUCH_ENERGY:
         doubts.append(f"{100 * closure:.0f} % of the energy is unaccounted for.")
     if aliased:
@@ -339,7 +344,10 @@ def _means(results: Sequence[Result]) -> tuple[list[list[Markup]], list[str]]:
         rows.append([html("{}", name), number(mean, 5),
                      html("{} to {}", number(low, 5), number(high, 5)),
                      number(deviation, 2)])
-    return rows, answer["doubts"]
+    doubts = answer["doubts"]
+    for result in results:
+        doubts = [doubt.replace(str(result.path), result.path.name) for doubt in doubts]
+    return rows, doubts
 
 
 def results_text(results: Sequence[Result], command: str = "") -> str:
@@ -472,13 +480,13 @@ def _failures(study: Study) -> list[str]:
         return []
     kinds = sorted(said.values(), key=len, reverse=True)[:MOST_MESSAGES]
     return [f"{sum(map(len, said.values()))} of {study.status.size} runs failed.",
-            *(f"{len(texts)}: {shortened(texts[0], LONGEST_DOUBT)}" for texts in kinds)]
+            *(f"{len(texts)}: {_brief(texts[0])}" for texts in kinds)]
 
 
 def _warnings(study: Study) -> list[str]:
     """Warnings of finished runs, the most frequent first."""
     return [f"{one['runs']} of {study.attrs['done']} finished runs (the first: {one['first']}): "
-            f"{shortened(one['text'], LONGEST_DOUBT)}"
+            + _brief(one["text"])
             for one in study._whole()["warnings"][:MOST_MESSAGES]]
 
 

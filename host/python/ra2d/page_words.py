@@ -19,6 +19,8 @@ _TEXTS = re.compile(
     r'|"(?P<quoted>(?:\\.|[^"\\\n])*)(?:"|$)' r"|'(?P<plain>[^'\n]*)(?:'|$)"
     r"|(?P<comment>\#[^\n]*)",
     re.DOTALL | re.MULTILINE)
+_FOLDERS = re.compile(r"(?<=')/[^'\n]*/(?=[^'/\n]+')" r"|^/[^:'\n]*/(?=[^:/\n]+:)"
+                      r"|(?<![^\s(])/(?:[^\s/']+/)+(?=[^\s/'])", re.MULTILINE)
 _IN_COMMENT = re.compile(r"""(["'`])(/(?:[^"'`\n]*/)?)[^"'`/\n]+\1""")
 
 
@@ -61,6 +63,16 @@ def without_folders(toml: str) -> str:
         return found[0].replace(inner, name, 1) if inner.startswith("/") and name else found[0]
 
     return _TEXTS.sub(bare, toml)
+
+
+def message_without_folders(message: str) -> str:
+    """A message in which files are named without their folders: in quotes, before the colon that
+    follows the file's name at the beginning of a line, or as a word.
+
+    >>> message_without_folders("/home/ann b/c.csv: 2 m long; cannot read '/home/d e/f.toml'")
+    "c.csv: 2 m long; cannot read 'f.toml'"
+    """
+    return _FOLDERS.sub("", message)
 
 
 # ---- numbers

@@ -270,6 +270,19 @@ def test_profiles_are_named_without_folders_and_with_their_hash(short, folder):
     assert "path = &#34;secret&#39;s.csv&#34;" in text and "measured: secret&#39;s.csv" in text
 
 
+def test_messages_name_files_without_folders(folder):
+    face = ra2d.surface.array(2e-6 * np.sin(np.arange(3000) / 40), 2e-6, folder / "my trace.csv",
+                              short="repeat")
+    scene = ra2d.scene("dang2012").change({"slider.surface": face}, duration=0.005, tolerance=1e-6,
+                                          rate=1e4)
+    table = ra2d.study(scene, vary={"speed": [0.1, 0.2]}, folder=folder / "traces", show=False)
+    text = page.study_text(table)
+    assert "my trace.csv: 0.0" in text and str(folder) not in text
+    results = [ra2d.run(scene, output=folder / f"{v}.h5", speed=v, show=False) for v in (0.1, 0.2)]
+    text = page.results_text(results)
+    assert "differ in more than their faces" in text and str(folder) not in text
+
+
 def test_the_level_has_a_reason_where_it_has_no_interval(short):
     result, text = short
     assert dict(rows(text,
