@@ -119,7 +119,7 @@ std::string describe_sound(const Analysis& a) {
                            a.air.sound_speed, a.air.density));
   text +=
       sound_line("left out", fmt::format("the slider's own sound; modes above {:.4g} kHz, which "
-                                         "the run has not",
+                                         "were not kept",
                                          1e-3 * last_mode(a.natural_frequencies)));
   if (passed * a.rate / 2 < audible)
     text += sound_line("", fmt::format("nothing above {:.4g} Hz is in it: raise output.rate to "

@@ -40,9 +40,9 @@ Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene
     throw RequestError(
         fmt::format("{}: --to {:g}: the run ends at {:g} s", file.string(), s.to, end));
   if (!s.whole && !(s.from < s.to))
-    throw RequestError(
-        fmt::format("{}: from {:g} s to {:g} s there is nothing: the run ends at {:g} s",
-                    file.string(), s.from, s.to, end));
+    throw RequestError(fmt::format("{}: from {:g} s {} there is nothing: the run ends at {:g} s",
+                                   file.string(), s.from,
+                                   to ? fmt::format("to {:g} s", s.to) : "on", end));
   if (std::isnan(contents.rate)) return s;
   const auto place = [&](double time) {
     return std::max(0.0, (time - contents.start) * contents.rate);

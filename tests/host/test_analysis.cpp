@@ -691,7 +691,7 @@ TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
            {{"scene.toml"}, 4, "it is no HDF5 file"},
            {{"nowhere.h5"}, 4, "No such file"},
            {{"a.h5", "nowhere.h5"}, 4, "nowhere.h5"},
-           {{"a.h5", "--from", "0.2"}, 2, "there is nothing"},
+           {{"a.h5", "--from", "0.2"}, 2, "from 0.2 s on there is nothing"},
            {{"a.h5", "--from", "0.05", "--to", "0.05"}, 2, "there is nothing"},
            {{"a.h5", "--to", "0.2"}, 2, "the run ends at 0.1 s"},
            {{"a.h5", "--to", "1e-9"}, 2, "there is one sample"},

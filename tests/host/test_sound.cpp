@@ -451,7 +451,7 @@ TEST_F(Sounds, OfTwoMicrophonesIsStereoInPascals) {
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_THAT(made.out, AllOf(HasSubstr("sound pressure at 0.15, 0.1, 0.5 and 0.3, 0, 0.2 m"),
                               HasSubstr("left out         the slider's own sound; modes above 18.9 "
-                                        "kHz, which the run has not")));
+                                        "kHz, which were not kept")));
   EXPECT_THAT(ra2d({"sound", "a.h5", "-o", "v.wav"}).out,
               AllOf(HasSubstr("velocity of probe 1"), HasSubstr("no sound pressure")));
   std::ifstream sidecar(folder_.path() / "s.wav.json");

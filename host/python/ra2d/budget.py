@@ -92,8 +92,8 @@ class Budget:
         heads = [f"{words} [{'dB' if not ratio else '%'}]"
                  for _, _, _, ratio, words in QUANTITIES]
         lines += ["",
-                  "half of the 95 % interval by chance; shifts, each \u00b1 95 % of chance in it "
-                  "(%: 100 ln of the ratio):",
+                  "chance: half of the 95 % interval; below it shifts, each \u00b1 95 % of chance "
+                  "(%: 100 ln of the ratio)",
                   f"{'':10} {'changed to':17}" + "".join(f"{head:>30}" for head in heads)]
         for source, row in self.table.iterrows():
             cells = [_cell(row[name], row[f"{name}_chance"], str(source))
@@ -270,7 +270,7 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
     bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
     modes = _with_modes(complete, bodies, 1.5)
     if modes:
-        cases["modes"] = ("half as many more", modes)
+        cases["modes"] = ("1.5 times as many", modes)
         # a plate has many
         if complete["scene"].get("kind") == "areal" and not _is_taken(what, modes):
             cases["modes"] = ("a third fewer", _with_modes(complete, bodies, 2 / 3))
@@ -381,14 +381,14 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     what = scene(source)
     place = pathlib.Path(folder or f"{what.title}-uncertainty").resolve()
     files.require_folder(place)
-    complete = what.complete()
-    varied, faces = of_scene(what, complete, int(seeds), place / "faces")
-    cases = _cases(what, complete)
     with kept_notices() as messages:
+        complete = what.complete()
+        varied, faces = of_scene(what, complete, int(seeds), place / "faces")
+        cases = _cases(what, complete)
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
-    for message in messages:
+    for message in dict.fromkeys(messages):  # plans and study say the same of a scene
         if "failed (--retry-failed" not in message:  # which the notes tell
-            notice(message, stacklevel=2)
+            notice(message)
     runs = _runs(table, [AS_GIVEN, *cases])
     notes = ["spacing: between the points of a measured map stands their spline; what finer points "
              "would show is not in this budget"

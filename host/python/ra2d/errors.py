@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 import signal
+import sys
 import warnings
 from collections.abc import Iterator
 from contextvars import ContextVar
@@ -48,12 +49,16 @@ class Notice(UserWarning):
 _kept: ContextVar[list[str] | None] = ContextVar("kept", default=None)
 
 
-def notice(message: str, stacklevel: int) -> None:
-    """Tells a Notice, as `warnings.warn` does; within `kept_notices` it is kept."""
-    if (kept := _kept.get()) is None:
-        warnings.warn(message, Notice, stacklevel=stacklevel + 1)
-    else:
+def notice(message: str) -> None:
+    """Tells a Notice, as `warnings.warn` does, at the line outside of this package that asked.
+    Within `kept_notices` it is kept."""
+    if (kept := _kept.get()) is not None:
         kept.append(message)
+        return
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__package__") == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, Notice, stacklevel=level)
 
 
 @contextlib.contextmanager

@@ -253,10 +253,10 @@ def _level(figure: Any, result: Result, _: bool) -> None:
     since = "of these" if first else f"from {quantity(begin, 's')} on" if begin else "whole"
     span = [place(begin), place(result.analysis()["to"])]
     if math.isfinite(found):
-        axes.plot(span, [found, found], color=RUST, ls="--", lw=1.2, zorder=4,
+        axes.plot(span, [found, found], color=PLUM, ls="--", lw=1.2, zorder=4,
                   label=f"{since}: {found:.2f} dB")
     if math.isfinite(found.low):
-        axes.fill_between(span, found.low, found.high, color=RUST, alpha=0.12, lw=0,
+        axes.fill_between(span, found.low, found.high, color=PLUM, alpha=0.12, lw=0,
                           label="its 95 % interval")
     finite = levels[np.isfinite(levels)]
     high = max([*finite, found if math.isfinite(found) else -math.inf])

@@ -84,7 +84,7 @@ def _finish(status: int, messages: list[str]) -> None:
     """Tells notices as warnings. Raises the error that the last message describes."""
     last = messages.pop() if status and messages else ""
     for message in messages:
-        notice(message, stacklevel=4)
+        notice(message)
     if status:
         raise error_of(status, last)
 

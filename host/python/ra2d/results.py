@@ -720,7 +720,7 @@ def load(path: str | os.PathLike[str]) -> Result:
     if not result._file.is_sealed:
         notice(f"{str(path)!r} has no seal at its end that this package reads: it was cut short, "
                "or changed since ra2d wrote it, or an older ra2d wrote it. Nothing tells whether "
-               "its numbers are right: run its scene again, or ask 'ra2d check'", stacklevel=2)
+               "its numbers are right: run its scene again, or ask 'ra2d check'")
     return result
 
 

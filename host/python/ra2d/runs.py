@@ -62,5 +62,5 @@ def run(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
                                 shown)
     for line in report.splitlines():  # what a reader of the figures should not overlook
         if line.startswith("  warning "):
-            notice(line.removeprefix("  warning").strip(), stacklevel=2)
+            notice(line.removeprefix("  warning").strip())
     return Result(path)

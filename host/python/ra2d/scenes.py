@@ -91,7 +91,7 @@ def full_keys(changes: Mapping[str, Any] | None, short: Mapping[str, Any]) -> di
     given = {full_key(name): value for name, value in {**(changes or {}), **short}.items()}
     if "time.tolerance" in given and given.setdefault("time.scheme", "adaptive") != "adaptive":
         notice(f"tolerance = {given['time.tolerance']!r} has no effect: it is of the scheme "
-               f"'adaptive', and scheme = {given['time.scheme']!r} was given, too", stacklevel=3)
+               f"'adaptive', and scheme = {given['time.scheme']!r} was given, too")
     return given
 
 
@@ -359,5 +359,9 @@ def scene(source: str | os.PathLike[str] | Mapping[str, Any] | Scene) -> Scene:
     if path.is_file():
         return Scene(path.resolve())
     if path.suffix or len(path.parts) != 1:
-        raise RequestError(f"cannot read the scene {str(path)!r}: there is no such file")
+        is_installed = (len(path.parts) == 1
+                        and any((folder / path).is_file() for folder in _folders()))
+        raise RequestError(f"cannot read the scene {str(path)!r}: there is no such file"
+                           + (f". {path.stem!r}, without an ending, is the one that comes with ra2d"
+                              if is_installed else ""))
     return Scene(_named(str(source)))

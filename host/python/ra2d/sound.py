@@ -161,7 +161,7 @@ class Sound:
         encoding = encoding_of(path, bits)
         files.write_bytes(path, self.encoded(encoding))
         for doubt in (*self.doubts, *self.doubts_in(encoding)):
-            notice(doubt, stacklevel=2)
+            notice(doubt)
         return path
 
     def encoded(self, encoding: Encoding = "wav-24") -> bytes:
@@ -479,8 +479,8 @@ def of_pressure(result: Result, pressures: Array, heard_at: dict[str, Any], *, s
     peak = float(np.abs(heard).max(initial=0))
     scale = _full_scale(peak, full_scale, normalize, "Pa")
     modes = result.modes("resonator").frequency.values
-    left_out = (f"the slider's own sound; modes above {quantity(modes.max(), 'Hz')}, which the run "
-                "has not")
+    left_out = (f"the slider's own sound; modes above {quantity(modes.max(), 'Hz')}, which were "
+                "not kept")
     about = {"body": "resonator", "quantity": PRESSURE, **heard_at, "left_out": left_out,
              "full_scale_pa": scale,
              "peak_pa": peak, "beyond_full_scale": int((np.abs(heard) > scale).any(axis=1).sum()),

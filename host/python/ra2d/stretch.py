@@ -40,10 +40,10 @@ class Stretch(Result):
         self.first = 0.0 if self.start is None else self.start          # s
         self.last = end if self.stop is None else min(self.stop, end)   # s
         if self.first < 0 or not self.first < self.last:
+            until = "on" if self.stop is None else f"to {self.stop:g} s"
             raise RequestError(
-                f"from {self.first:g} s to {self.last:g} s there is nothing of {whole.path.name}: "
-                "the run "
-                               f"goes from 0 s to {end:g} s, and start is before stop")
+                f"from {self.first:g} s {until} there is nothing of {whole.path.name}: the run "
+                f"goes from 0 s to {end:g} s, and start is before stop")
         half = 0.5e-3 / whole.rate if math.isfinite(whole.rate) else 0.0  # roundings of times
         self._within = slice(self.first - half, self.last + half)
         self._samples = int(self._part(super().contact).sizes["time"])

@@ -337,7 +337,7 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
       at the scene's microphones and of its sound power; `retry_failed`: run those again
     - `max_wall` [s, or "H:M:S"]: wall time after which OutOfTime is raised
 
-    Failed runs are told in a Notice, and are NaN.
+    A Notice names failed runs; they are NaN in the table.
 
     >>> import ra2d
     >>> base = ra2d.scene("dang2012").change(duration=0.01, tolerance=1e-6, rate=1e4)
@@ -363,5 +363,5 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
             with progress.shown(show) as shown:
                 program.follow(["study", file, "-o", place, *options], shown)
         except SimulationError as failed:
-            notice(str(failed), stacklevel=2)
+            notice(str(failed))
     return Study._of(place)

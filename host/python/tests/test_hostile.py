@@ -108,7 +108,7 @@ def test_values_that_no_scene_holds(base, value):
     (3, "not int"), (None, "not NoneType"), ({"scene": 3}, "expected a section"),
     ({"speed": 0.1}, "expected a section"),
     ({1: {}}, "keys of a scene are texts"), ("[scene]\nspeed = 1", "write the text to a file"),
-    ("", "no such file")])
+    ("", "no such file"), ("dang2012.toml", "'dang2012', without an ending")])
 def test_what_is_no_scene(source, words):
     with pytest.raises(ra2d.RequestError, match=words):
         ra2d.scene(source)
@@ -453,7 +453,7 @@ def test_threads_keep_their_notices_apart(base):
     def keep(text):
         with errors.kept_notices() as kept:
             both.wait()
-            errors.notice(text, 1)
+            errors.notice(text)
             both.wait()
         return kept
 
@@ -463,7 +463,7 @@ def test_threads_keep_their_notices_apart(base):
         assert set(pool.map(lambda _: scene["speed"], range(12))) == {0.1}
     assert warnings.filters == before
     with pytest.warns(ra2d.Notice, match="afterwards"):
-        errors.notice("afterwards", 1)
+        errors.notice("afterwards")
 
 
 def test_sounds_and_pictures_that_cannot_be(small):

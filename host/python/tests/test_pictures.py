@@ -175,6 +175,12 @@ def test_legends_of_microphones_cover_no_line(result, what):
             assert not box.overlaps(bar.get_window_extent())
 
 
+def test_the_level_of_the_run_has_no_colour_of_a_microphone(result):
+    figure = result.with_microphones([(0.15, 0.1, 0.5)]).plot("level")
+    own, heard = [{line.get_color() for line in axes.get_lines()} for axes in figure.axes]
+    assert len(own) == 2 and not own & heard
+
+
 def test_a_short_run_has_a_level_without_weighting(base, folder):
     """No third octave with modes fits in what is heard: page and pictures say so."""
     short = ra2d.run(base, {"output.microphones": [{"x": 0.15, "y": 0.1, "z": 0.2}]},
@@ -286,6 +292,13 @@ def test_stretches_that_are_none(result, start, stop):
     with pytest.raises(ra2d.RequestError,
                        match="there is nothing of|expected a time|fewer than two samples"):
         result.plot("force", start=start, stop=stop)
+
+
+def test_a_stretch_behind_the_end_is_named_as_asked(result):
+    with pytest.raises(ra2d.RequestError, match="from 2 s to 3 s there is nothing"):
+        result.plot("force", start=2, stop=3)
+    with pytest.raises(ra2d.RequestError, match="from 2 s on there is nothing"):
+        result.plot("force", start=2)
 
 
 def test_a_spectrogram_has_the_power_of_the_spectrum(result):

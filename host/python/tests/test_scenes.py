@@ -168,3 +168,10 @@ def test_roughness_of_a_sine(profile):
                                  form="line").roughness(cutoff=2.5e-3)
     assert messages["Rq"] == pytest.approx(2e-6 / math.sqrt(2),
                                            rel=0.05) and messages.name == "iso21920"
+
+
+def test_a_notice_stands_at_the_users_line():
+    with pytest.warns(ra2d.Notice) as heard:
+        ra2d.scene("dang2012").plan()
+        ra2d.scene("dang2012").complete()
+    assert len(heard) == 2 and {one.filename for one in heard} == {__file__}
