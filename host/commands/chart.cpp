@@ -172,7 +172,7 @@ void add_stability(CLI::App& chart, ChosenCommand& chosen) {
       "the table; writes PREFIX.csv, PREFIX-regions.csv, PREFIX-modes.csv and, drawn with Python's "
       "matplotlib, PREFIX.png");
   add_scene(*stability, request->common,
-            "scene whose modes are shown in the picture (TOML) [the paper's own]");
+            "scene whose modes are shown in the picture: file (TOML) or name [the paper's own]");
   add_chart_options(*stability, *request);
   stability->callback([request, &chosen] {
     chosen.run = [request] {
@@ -190,7 +190,7 @@ void add_accuracy(CLI::App& chart, ChosenCommand& chosen) {
       "speed against accuracy of every scheme and contact law, with a ladder of steps or "
       "tolerances: prints what reaches an error at the least cost; writes PREFIX.csv, "
       "PREFIX-long.csv (level and shocks over a long stretch) and PREFIX.png");
-  add_scene(*accuracy, request->common, "scene to be marched (TOML) [the paper's own]");
+  add_scene(*accuracy, request->common, "scene to be run: file (TOML) or name [the paper's own]");
   accuracy->add_option("--budget", request->budget, "wall time that it may take, roughly")
       ->type_name("SECONDS")
       ->check(number_from(0.1, 1e6, "from 0.1 to 1e6"))

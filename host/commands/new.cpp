@@ -177,7 +177,7 @@ void add_new(CLI::App& app, ChosenCommand& chosen) {
   CLI::App* command = app.add_subcommand(
       "new",
       "writes a commented scene of your case: asks for it on a terminal, or takes it from "
-      "options (then the rest is as usual)");
+      "options (the others keep their defaults)");
   command->add_option("OUT.toml", request->output, "file to write, which must not be there")
       ->check(path());
   for (std::size_t i = 0; i < questions.size(); ++i)
@@ -193,7 +193,7 @@ void add_new(CLI::App& app, ChosenCommand& chosen) {
                     "lists the materials: Young's modulus, density, Poisson's ratio, loss factor, "
                     "source");
   command->add_flag("--force", request->force, "replace the file");
-  command->add_flag("--quiet", request->quiet, "print nothing but faults");
+  command->add_flag("--quiet", request->quiet, "print nothing but errors");
   command->callback([request, &chosen] { chosen.run = [request] { return make_new(*request); }; });
 }
 

@@ -33,6 +33,9 @@ struct SceneOptions {
   bool quiet = false;
 };
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// The words for SCENE where it needs no others.
+inline constexpr const char* scene_words =
+    "scene file (TOML), or the name of a scene that comes with ra2d";
 /// SCENE, the scene's file.
 CLI::Option* add_scene(CLI::App& command, SceneOptions& options, const std::string& description);
 

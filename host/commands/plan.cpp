@@ -78,7 +78,7 @@ void add_plan(CLI::App& app, ChosenCommand& chosen) {
       app.add_subcommand("plan",
                          "says what would be modelled, and why; runs nothing unless --accuracy "
                          "asks what the scene could do without");
-  add_scene(*plan, request->common, "scene file (TOML)")->required();
+  add_scene(*plan, request->common, scene_words)->required();
   CLI::Option* accuracy =
       plan->add_option(
               "--accuracy", request->accuracy,

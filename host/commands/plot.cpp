@@ -83,8 +83,10 @@ Json profile_request(const PlotRequest& request) {
 }
 
 Json results_request(const PlotRequest& request) {
-  if (request.shock && request.what != "shock") throw RequestError("--shock N is of --what shock");
-  if (request.time && request.what != "motion") throw RequestError("--time is of --what motion");
+  if (request.shock && request.what != "shock")
+    throw RequestError("--shock N goes with --what shock alone");
+  if (request.time && request.what != "motion")
+    throw RequestError("--time goes with --what motion alone");
   if (request.files.size() == 1) {
     require_view(request.what, result_views, "a result");
   } else {
@@ -96,7 +98,7 @@ Json results_request(const PlotRequest& request) {
   require_microphones(request.sound);
   if (request.sound.asks() &&
       std::find(heard_views.begin(), heard_views.end(), request.what) == heard_views.end())
-    throw RequestError(fmt::format("--at is of --what {}", any_of(heard_views, "")));
+    throw RequestError(fmt::format("--at goes with --what {} alone", any_of(heard_views, "")));
   if (request.files.size() > 1 && request.sound.microphones.size() > 1)
     throw RequestError(
         fmt::format("{} microphones (--at): a picture of several results has one; 'ra2d analyze' "

@@ -93,7 +93,7 @@ void add_report(CLI::App& app, ChosenCommand& chosen) {
   CLI::App* report = app.add_subcommand(
       "report",
       "one page to keep or to send, complete in itself: figures, pictures, the sound to play, the "
-      "scene to copy");
+      "scene to copy; needs Python");
   report->add_option("OUT.h5", request->files, "results of 'ra2d run'; or one study's folder")
       ->required()
       ->check(path());

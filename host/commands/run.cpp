@@ -303,7 +303,7 @@ int run_scene(RunRequest& request) {
 void add_run(CLI::App& app, ChosenCommand& chosen) {
   const auto request = std::make_shared<RunRequest>();
   CLI::App* command = app.add_subcommand("run", "simulates a scene and writes one HDF5 file");
-  add_scene(*command, request->common, "scene file (TOML)")->required();
+  add_scene(*command, request->common, scene_words)->required();
   add_scene_options(*command, request->common);
   command->get_option("--quiet")->description("print nothing but errors");
   command

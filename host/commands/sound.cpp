@@ -221,7 +221,7 @@ void add_sound(CLI::App& app, ChosenCommand& chosen) {
   CLI::App* sound = app.add_subcommand(
       "sound",
       "the sound pressure at a microphone (--at), or the velocity of a probe, as WAV or FLAC; "
-      "NAME.json beside it says what the values stand for");
+      "NAME.json beside it says what the values stand for; needs Python");
   sound->add_option("OUT.h5", wanted->result, "result of 'ra2d run'")->required()->check(path());
   sound
       ->add_option("-o,--output", wanted->output,

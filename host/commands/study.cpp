@@ -217,7 +217,7 @@ int run_study_file(const StudyRequest& request) {
 void add_run_options(CLI::App& study, StudyRequest& request) {
   CLI::Option* dry = study.add_flag(
       "--dry-run", request.dry_run,
-      "lists the runs that are to be done, the dearest first, and what they will cost");
+      "lists the runs that are to be done, the longest first, and what they will cost");
   CLI::Option* list = study.add_flag("--list", request.list, "lists all runs and how each stands");
   CLI::Option* shard =
       study
@@ -226,7 +226,7 @@ void add_run_options(CLI::App& study, StudyRequest& request) {
           ->type_name("I/N")
           ->capture_default_str();
   CLI::Option* retry =
-      study.add_flag("--retry-failed", request.retry_failed, "runs those that failed once more");
+      study.add_flag("--retry-failed", request.retry_failed, "runs failed ones again");
   for (CLI::Option* other : {dry, shard, retry}) list->excludes(other);
   study
       .add_option("--threads", request.threads,

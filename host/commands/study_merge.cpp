@@ -78,8 +78,8 @@ void add_study_merge(CLI::App& study, ChosenCommand& chosen) {
   const auto request = std::make_shared<MergeRequest>();
   CLI::App* command = study.add_subcommand(
       "merge",
-      "makes one table of all that folders of one study hold; refuses gaps, and runs of "
-      "one scene with other numbers");
+      "makes one table of all that folders of one study hold; refuses missing runs, and "
+      "different results of one run");
   command->add_option("DIR", request->folders, "folders of one study")->required()->check(path());
   command->add_option("-o,--output", request->output, "the table [results.h5 in the first folder]")
       ->type_name("OUT.h5")

@@ -75,7 +75,7 @@ void add_uncertainty(CLI::App& app, ChosenCommand& chosen) {
       "uncertainty",
       "how well level, rate and duration of the shocks are known: chance of the faces, tolerance "
       "or step, spacing, modes, stiffness, and the interval of the whole; needs Python");
-  command->add_option("SCENE", request.scene, "scene file (TOML), or the name of an installed one")
+  command->add_option("SCENE", request.scene, scene_words)
       ->required()
       ->check(path())
       ->transform(scene_or_name());

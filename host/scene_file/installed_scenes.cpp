@@ -31,11 +31,22 @@ InstalledScene describe(const fs::path& file) {
   return scene;
 }
 
-/// A word that no file has: it may name an installed scene.
-bool may_be_name(const fs::path& given) {
+/// A word that no file here has.
+bool is_free_word(const fs::path& given) {
   std::error_code none;
-  return !given.empty() && given == given.filename() && !given.has_extension() &&
+  return !given.empty() && given == given.filename() &&
          !fs::exists(fs::symlink_status(given, none));
+}
+
+/// Refuses the file name of an installed scene, such as dang2012.toml, where no file has it.
+void require_no_ending(const fs::path& given) {
+  std::error_code none;
+  for (const fs::path& folder : folders_of_scenes())
+    if (fs::exists(folder / given, none))
+      throw FileError(fmt::format(
+          "cannot read the scene '{}': there is no such file. '{}', without an ending, is the one "
+          "that comes with ra2d",
+          given.string(), given.stem().string()));
 }
 
 }  // namespace
@@ -59,7 +70,11 @@ std::vector<InstalledScene> installed_scenes() {
 }
 
 fs::path scene_file_of(const fs::path& given) {
-  if (!may_be_name(given)) return given;
+  if (!is_free_word(given)) return given;
+  if (given.has_extension()) {
+    require_no_ending(given);
+    return given;
+  }
   std::vector<std::string> names;
   for (const InstalledScene& scene : installed_scenes()) {
     if (scene.name == given) return scene.file;

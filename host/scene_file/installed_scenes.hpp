@@ -19,7 +19,8 @@ struct InstalledScene {
 std::vector<InstalledScene> installed_scenes();
 
 /// The file that a user means: `given`, or the installed scene of that name. A name is one word
-/// without an ending, and no file or folder here has it. Throws FileError for an unknown name.
+/// without an ending, and no file or folder here has it. Throws FileError for an unknown name, and
+/// for an installed scene's name with its ending.
 std::filesystem::path scene_file_of(const std::filesystem::path& given);
 
 }  // namespace ra2d

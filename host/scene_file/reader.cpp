@@ -449,9 +449,13 @@ Document::Document(const std::string& text, const std::filesystem::path& file,
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
     is_toml = false;
-    parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}{}", parts_->file, at.line, at.column,
-                                     shortened(error.description(), longest_complaint),
-                                     first_place(text, error)));
+    if (text.starts_with("\x89HDF"))
+      parts_->add(at.line, fmt::format("{}: an HDF5 file, such as a result: expected a text (TOML)",
+                                       parts_->file));
+    else
+      parts_->add(at.line, fmt::format("{}:{}:{}: not TOML: {}{}", parts_->file, at.line, at.column,
+                                       shortened(error.description(), longest_complaint),
+                                       first_place(text, error)));
   }
   override_with(overrides);
   if (!is_toml) {

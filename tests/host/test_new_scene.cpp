@@ -414,6 +414,10 @@ TEST(Scenes, AreRunByNameWhereNoFileHasIt) {
   const Ended unknown = run_ra2d(folder.path(), {"run", "peeks"});
   EXPECT_EQ(unknown.status, 4);
   EXPECT_THAT(unknown.err, AllOf(HasSubstr("there is no such file"), HasSubstr("'peaks'")));
+  const Ended with_ending = run_ra2d(folder.path(), {"run", "peaks.toml"});
+  EXPECT_EQ(with_ending.status, 4);
+  EXPECT_THAT(with_ending.err, AllOf(HasSubstr("there is no such file"), HasSubstr("'peaks',")));
+  EXPECT_THAT(run_ra2d(folder.path(), {"run", "mine.toml"}).err, HasSubstr("No such file"));
   std::ofstream(folder.path() / "drop") << "mine";
   EXPECT_THAT(run_ra2d(folder.path(), {"plan", "drop"}).err, HasSubstr("not TOML"));
 }

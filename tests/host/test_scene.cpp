@@ -295,6 +295,7 @@ const Change multiplier{"stiffness = 1e15", "law = \"multiplier\""};
 
 const std::vector<Refused> refused_scenes{
     // not TOML
+    {"Result", {{"[scene]", "\x89HDF\r\n[scene]"}}, {"s.toml: an HDF5 file, such as a result"}},
     {"Syntax", {{"speed = 0.5", "speed = = 0.5"}}, {"s.toml:3:", "not TOML"}},
     {"BadHeader", {{"[scene]", "[[[scene]]]"}}, {"s.toml:1:", "not TOML"}},
     {"KeyTwice",
