@@ -84,8 +84,8 @@ void doubt_stiffness(const Scene& scene, Doubts& doubts) {
                                  most, take));
   else if (rough && ratio > much_stiffer)
     doubts.push_back(stiffness +
-                     fmt::format("asperities {:.2g} times as stiff as the half-spaces of "
-                                 "Hertz make them {}: shocks are too short and too hard",
+                     fmt::format("under a given load asperities are {:.2g} times as stiff as "
+                                 "their material makes them {}: shocks are too short and too hard",
                                  ratio, take));
   else if (contact.stiffness < far_softer * hertz)
     doubts.push_back(stiffness + fmt::format("far softer than the bodies' material {}: {}", take,

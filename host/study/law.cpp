@@ -117,10 +117,12 @@ std::vector<std::size_t> fitted_axes(const StudyAnswers& answers,
       law.pooled.push_back(answers.axes[a].name);
     }
   }
+  if (answers.axes.size() <= 1) throw RequestError("no law: no key is varied");
   if (fitted.empty())
     throw RequestError(
-        "no law: it takes a key that the study varies over two positive numbers or more, that "
-        "changes the answers, and that neither chooses a face nor is an offset, like scene.start");
+        "no law: no key that the study varies can have an exponent. Such a key has two or more "
+        "positive numbers and changes the answers. It neither chooses a face nor is an offset, "
+        "like scene.start");
   return fitted;
 }
 

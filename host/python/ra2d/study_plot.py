@@ -191,9 +191,11 @@ def _head(study: Study, law: Law | None, why_no_law: str) -> list[tuple[str, flo
     a = study.attrs
     counts = f"{a['done']} of {a['runs']} runs done" + (f", {a['failed']} failed"
                                                         if a["failed"] else "")
+    means = (f"Means over the seeds ({study.sizes['seed']}) with 95 % intervals (cut at the "
+             "panels' ends)" if varied(study) else "Line: mean over the seeds; band: its 95 % "
+             "interval")
     lines = [(literal(f"study: {study.folder.name}"), 12.0, "bold", BLACK),
-             (f"{counts}. Means over the seeds ({study.sizes['seed']}) with 95 % intervals (cut at "
-              f"the panels' ends){'; lines: the law' if law else ''}", 8.5, "normal", GREY)]
+             (f"{counts}. {means}{'; lines: the law' if law else ''}", 8.5, "normal", GREY)]
     if not law:
         return lines + [(literal(why_no_law), 9.0, "normal", BLACK)]
     lines += [(literal(_law_words(one)), 9.0, "normal", BLACK) for one in (law, *sound_laws(study))]
