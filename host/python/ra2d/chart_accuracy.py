@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib
 from matplotlib.lines import Line2D
 
+from . import style
 from .chart_tables import NAMES, Row, read, read_context
 from .style import CHART_RC, Picture, literal
 
@@ -66,6 +67,9 @@ def _draw_errors(axes: Any, rows: list[Row], kind: str, title: str, reference: f
         if row["kind"] == kind and row["error"] and _number(row,
                                                             "error") > 0 and row["wall_median"]:
             curves.setdefault(_style(row), []).append(row)
+    if not curves:
+        style.say_empty(axes, "no scheme was measured here", title)
+        return
     for (name, colour, mark, line), points in curves.items():
         points.sort(key=_size, reverse=True)
         for row in points:  # no further off than this, and nobody knows how far
@@ -209,6 +213,9 @@ def _draw(points: pathlib.Path, long_runs: pathlib.Path) -> Picture:
                           "difference from the first "
                           "line's on the same surfaces (thick)" if many else ", one run of each"),
                        fontsize=10.5)
+    else:
+        lower.text(0.5, 0.5, "no long runs: 'ra2d chart accuracy' prints why", ha="center",
+                   fontsize=10, color=style.GREY)
     figure.suptitle(f"Speed against accuracy. Scene: {literal(context.get('scene', ''))}",
                     fontsize=12)
     stretches = [_number(row, "stretch") for row in rows if row["stretch"]

@@ -22,6 +22,8 @@ import seal  # tests/host (conftest.py)
 import ra2d
 from ra2d import charts, errors, files, program, toml
 
+BENCH = pathlib.Path(__file__).resolve().parents[3] / "bench"
+
 
 @pytest.fixture(scope="module")
 def small(base, folder):
@@ -71,6 +73,21 @@ def test_a_table_that_lacks_something(study, tmp_path, damage):
         damage(file)
     with pytest.raises(ra2d.FileError, match="no table of a study, or is damaged$"):
         ra2d.load_study(path)
+
+
+@pytest.mark.skipif(not BENCH.is_dir(), reason="the source's tables are not here")
+def test_a_chart_says_what_was_not_measured(tmp_path):
+    points, long_runs = tmp_path / "a.csv", tmp_path / "a-long.csv"
+    points.write_text(re.sub(",state-20,[^,]*,", ",state-20,,",
+                             (BENCH / "accuracy.csv").read_text()))
+    lines = (BENCH / "accuracy-long.csv").read_text().splitlines(keepends=True)
+    heads = sum(line.startswith("#") for line in lines) + 1
+    long_runs.write_text("".join(lines[:heads]))
+    figure = charts.picture("accuracy", [points, long_runs])
+    words = [text.get_text()
+             for text in figure.findobj(lambda artist: type(artist).__name__ == "Text")]
+    assert words.count("no scheme was measured here") == 1
+    assert any("no long runs" in text for text in words)
 
 
 @pytest.mark.parametrize("chart, tables", [("stability", 3), ("accuracy", 2)])
