@@ -134,6 +134,11 @@ RunReport report_on(const SceneRun& run, const std::vector<double>& mean_squares
                            static_cast<double>(std::max<std::int64_t>(1, report.steps));
   report.energy = a.energy.balance();
   report.contact_share_of_energy = a.energy.contact_share_of_energy();
+  // on average a mode has as much kinetic as elastic energy
+  const BodySpec& resonator = run.model().scene.resonator;
+  report.vibration_share_of_energy = resonator.density * resonator.length * resonator.width *
+                                     resonator.thickness * report.v_rms * report.v_rms /
+                                     report.energy.turnover;
   report.march_seconds = a.march_seconds;
   report.warnings = warnings_of_figures(run.model().scene, report);
   return report;

@@ -35,8 +35,9 @@ struct RunReport : NoiseFigures {
   MeshTone mesh;
   EnergyBalance energy;
   double contact_share_of_energy = quiet_nan;
-  double displacement_rms = quiet_nan;  // m, of the resonator about its mean
-  double march_seconds = 0;             // in the kernels
+  double vibration_share_of_energy = quiet_nan;  // of the resonator, of the balance's largest term
+  double displacement_rms = quiet_nan;           // m, of the resonator about its mean
+  double march_seconds = 0;                      // in the kernels
   double wall_seconds = 0;
   double read_back_seconds = 0;  // of these: to read the file back
   std::size_t memory = 0;        // bytes that the scene took where it was marched

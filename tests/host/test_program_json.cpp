@@ -111,6 +111,29 @@ TEST_F(ProgramJson, OfARunThatIsThereHasTheWarningsOfItsMaking) {
   EXPECT_EQ(run({"check", "r.h5"}).status, 0);
 }
 
+/// A slow slider under a load: the plate is bent far more than it vibrates. The warning's tolerance
+/// makes the level right.
+TEST_F(ProgramJson, ALevelBelowTheErrorsOfTheStepsIsDoubted) {
+  const auto made = [&](const char* tolerance, const char* faces) {
+    std::vector<std::string> words{"run", scene_file("dang2012"), "--json", "--force"};
+    for (const std::string set :
+         {"scene.duration=0.01", "scene.speed=1e-4", "slider.load=100", "contact.stiffness=4e12",
+          "time.scheme=adaptive", tolerance, faces})
+      words.insert(words.end(), {"--set", set});
+    return json(words);
+  };
+  const auto doubt = HasSubstr("says little about it: the level may be");
+  const char* const linear = "scene.faces=linear";
+  const Json coarse = made("time.tolerance=1e-6", linear),
+             fine = made("time.tolerance=1e-9", linear),
+             smooth = made("time.tolerance=1e-6", "scene.faces=smooth");
+  EXPECT_THAT(coarse["warnings"].dump(), testing::AllOf(doubt, HasSubstr("Try 1e-09")));
+  EXPECT_GT(coarse["lv"], fine["lv"].get<double>() + 1);
+  EXPECT_THAT(fine["warnings"].dump(), testing::Not(doubt));
+  EXPECT_THAT(smooth["warnings"].dump(), testing::Not(doubt));
+  EXPECT_NEAR(smooth["lv"], made("time.tolerance=1e-9", "scene.faces=smooth")["lv"], 1e-3);
+}
+
 /// The only mode moves by its velocity over its angular frequency. The gap makes the corner of the
 /// plate give way to the block.
 TEST_F(ProgramJson, APlateThatMovesByItsThicknessIsDoubted) {
