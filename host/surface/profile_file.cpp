@@ -161,10 +161,12 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
   const double range = points[last].x - points[0].x;
   if (range >= longest_share * length) {
     const Unit& unit = likely_unit(range, length);
-    return {profile.line_of(last),
-            fmt::format("x runs over {:.6g} for a beam of {:.6g} m: is it in {}? Lengths are read "
-                        "in metres: multiply x by {}, and z by what its own unit asks for",
-                        range, length, unit.name, unit.factor)};
+    return {
+        profile.line_of(last),
+        fmt::format("x runs over {:.6g} for a beam of {:.6g} m: is it in {}? Lengths are read "
+                    "in metres: set x_unit and z_unit, or multiply x by {}, and z by what its own "
+                    "unit asks for",
+                    range, length, unit.name, unit.factor)};
   }
   // a rigid body's length says less about its faces than a thickness
   const bool tall =
@@ -178,8 +180,9 @@ LineFault find_disproportion(const ProfilePoints& profile, double length, const 
                         points[*relief.slip].z, others.low, others.high)};
   }
   const Unit& unit = likely_unit(relief.height);
-  const std::string cure = fmt::format("is z in {}? Heights are read in metres: multiply z by {}",
-                                       unit.name, unit.factor);
+  const std::string cure = fmt::format(
+      "is z in {0}? Heights are read in metres: set z_unit = \"{0}\", or multiply z by {1}",
+      unit.name, unit.factor);
   const std::size_t line = profile.line_of(relief.highest);
   if (tall)
     return {line, fmt::format("the heights span {:.6g} m on a beam {:.6g} m {}: {}", relief.height,

@@ -576,8 +576,10 @@ TEST_F(MeasuredProfile, InAnotherUnitIsRefusedWithThatUnit) {
   EXPECT_THAT(said(text(mm, 1)), HasSubstr("is it in mm?"));
   EXPECT_THAT(said(text(um, um)),
               AllOf(HasSubstr("is it in um?"), HasSubstr("multiply x by 1e-6")));
-  EXPECT_THAT(said(text(1, mm)),
-              HasSubstr("is z in mm? Heights are read in metres: multiply z by 1e-3"));
+  EXPECT_THAT(
+      said(text(1, mm)),
+      HasSubstr("is z in mm? Heights are read in metres: set z_unit = \"mm\", or multiply z "
+                "by 1e-3"));
   EXPECT_THAT(said(text(1, um)),
               AllOf(HasSubstr("on a beam 0.02 m thick"), HasSubstr("is z in um?")));
   // a rigid body may have no thickness
