@@ -31,6 +31,7 @@ LONGEST_CLIP, LONGEST_SLOW, SLOWER = 5.0, 20.0, 20  # s that are heard; times sl
 MOST_SOUNDS = 8       # results that have sounds: some 1 MB each
 MOST_ROWS = 500       # of the table of means
 MOST_MESSAGES = 3     # of failed runs
+MOST_WARNINGS = 8     # of a run
 MUCH_ENERGY = 0.05    # of the largest term of the balance
 LONGEST_TITLE, LONGEST_DOUBT = 200, 300
 
@@ -154,6 +155,11 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
                       + _brief(str(result.attrs["beyond_limit"])))
     if closure is not None and closure > MUCH_ENERGY:
         doubts.append(f"{100 * closure:.0f} % of the energy is unaccounted for.")
+    # that of the energy is of the whole run: the line above is of what the page shows
+    warned = [line for line in str(result.attrs.get("warnings", "")).splitlines()
+              if "of the energy is unaccounted for" not in line]
+    doubts += [f"The run warned: {shortened(line, LONGEST_DOUBT)}"
+               for line in warned[:MOST_WARNINGS]]
     if aliased:
         doubts.append(f"{aliased} mode{' lies' if aliased == 1 else 's lie'} above half the rate "
                       "of the samples: "
