@@ -38,8 +38,8 @@ struct MatrixHeader {
   std::optional<double> spacing, spacing_y;  // m
 };
 
-/// Reads "spacing = 8 um" or "spacing_y = 8 um": an entry of the header, between commas or
-/// semicolons, or behind the unit of the heights.
+/// Reads "spacing = 8 um" (or "spacing_x") or "spacing_y = 8 um": an entry of the header, between
+/// commas or semicolons, or behind the unit of the heights.
 void read_spacing(const std::filesystem::path& file, std::string_view entry, std::size_t number,
                   MatrixHeader& header) {
   const std::size_t sign = entry.find_first_of("=:");
@@ -50,7 +50,8 @@ void read_spacing(const std::filesystem::path& file, std::string_view entry, std
   std::string name(trimmed(before, " \t#%;*/\""));
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  if (name != "spacing" && name != "spacing_y") return;
+  const bool along_x = name == "spacing" || name == "spacing_x";
+  if (!along_x && name != "spacing_y") return;
   const std::string text(trimmed(entry.substr(sign + 1), " \t\r\n\""));
   const NumberWithUnit length = read_quantity(text, "m");
   const double metres = length.value.value_or(0);
@@ -59,7 +60,7 @@ void read_spacing(const std::filesystem::path& file, std::string_view entry, std
                                    name, quoted(std::string_view(text)),
                                    length.fault.empty() ? "" : ", which " + length.fault,
                                    quantity_examples("m")));
-  std::optional<double>& of_header = name == "spacing" ? header.spacing : header.spacing_y;
+  std::optional<double>& of_header = along_x ? header.spacing : header.spacing_y;
   if (of_header && *of_header != metres)
     throw RequestError(fmt::format("{}: {} = {} m here and {} m before: expected one",
                                    line_place(file, number), name, metres, *of_header));

@@ -242,6 +242,7 @@ TEST_F(MapFile, TextSpacingsOfTheHeaderInEveryUnit) {
     EXPECT_EQ(map.spacing_y, 5e-5) << header;
   }
   EXPECT_EQ(read("# spacing_y = 2 mm, spacing = 1 mm\n" + rows, {}).spacing_y, 2e-3);
+  EXPECT_EQ(read("# spacing_x = 1 mm, spacing_y = 2 mm\n" + rows, {}).spacing, 1e-3);
   // said, and not understood
   for (const char* header : {"spacing = 5e-5", "spacing = 50 furlongs", "spacing = -1 um",
                              "spacing = 0 m", "spacing = nan m", "spacing = 1e999 m", "spacing =",
