@@ -11,10 +11,11 @@
 // there are threads, beside one.
 //
 // docs/performance.md shows what came out (areal_cost.csv and .png, which areal_cost.py makes).
-// Asked: 0.4 s a second at 10 mm and 50 um, which came out as 0.37 to 0.50 s in different hours; 5
-// s at 20 mm and 8 um, which was 4.3 to 6.0 s, 4.5 s when the machine was quiet; there 2 s with
-// fixed steps good to 1e-3, which was 1.3 s; an efficiency of 0.95 of two scenes on two cores,
-// which was 0.93 to 1.02.
+// Asked, and what came out in different hours of one machine:
+//   adaptive, 10 mm at 50 um               0.4 s a second   0.37 to 0.50
+//   adaptive, 20 mm at 8 um                5 s              4.3 to 6.0, 4.5 in a quiet hour
+//   fixed steps good to 1e-3 (gautschi)    2 s there        1.2 to 1.3
+//   efficiency of two scenes on two cores  0.95             0.93 to 1.02
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
