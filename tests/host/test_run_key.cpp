@@ -47,5 +47,23 @@ TEST(RunKey, IsOfTheSceneAndItsHeightsAlone) {
   }));
 }
 
+/// A study knows a run by its scene and files: not by the heights that a newer program makes of a
+/// map.
+TEST(RunKey, ScenesWithAMapThatGoesOnHaveAnotherVersion) {
+  Scene scene;
+  scene.kind = SceneKind::areal;
+  const int usual = numerics_version_of(scene);
+  for (BodySpec* body : {&scene.resonator, &scene.slider}) {
+    const SurfaceSpec before = body->surface;
+    body->surface.kind = SurfaceKind::file;
+    EXPECT_EQ(numerics_version_of(scene), usual);
+    for (const ShortProfile how : {ShortProfile::repeat, ShortProfile::mirror}) {
+      body->surface.prepared.when_short = how;
+      EXPECT_NE(numerics_version_of(scene), usual);
+    }
+    body->surface = before;
+  }
+}
+
 }  // namespace
 }  // namespace ra2d
