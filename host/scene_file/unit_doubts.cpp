@@ -72,15 +72,17 @@ void doubt_density(const std::string& name, const BodySpec& body, Doubts& doubts
 void doubt_section(const std::string& name, const BodySpec& body, bool is_slider, Doubts& doubts) {
   constexpr double longest = 50, widest = 10, shortest = 1e-6, narrowest = 1e-7;  // m
   constexpr double slender = 2e4, tall_block = 10, tall_edge = 8;                 // ratios
-  const auto far = [&](const char* key, double value, double low, double high) {
+  const auto is_far = [&](const char* key, double value, double low, double high) {
     if (value > high)
       doubt(doubts, name + key, value, "larger than what is rubbed", millimetres);
     else if (value < low)
       doubt(doubts, name + key, value, "smaller than what is rubbed", too_small);
+    return value > high || value < low;
   };
-  far(".length", body.length, shortest, longest);
-  far(".width", body.width, narrowest, widest);
-  if (body.thickness == 0) return;  // rigid, and not given
+  const bool odd_length = is_far(".length", body.length, shortest, longest);
+  const bool odd_width = is_far(".width", body.width, narrowest, widest);
+  // proportions to what is doubted say nothing; a rigid body need not give a thickness
+  if (odd_length || odd_width || body.thickness == 0) return;
   // a block that slides may stand; what bends is longer than thick
   const double most = (is_slider ? tall_block : 1) * body.length;
   const std::string key = name + ".thickness";

@@ -94,6 +94,13 @@ TEST(Doubts, TheIssuesOwnSlips) {
                                  "(8500 kg/m^3)?")));
 }
 
+/// 250 mm taken for metres: the thickness of 2 mm is right.
+TEST(Doubts, ALengthThatIsOddMakesNoOtherOdd) {
+  const Texts doubts = said("dang2012", {"resonator.length=250"});
+  EXPECT_THAT(doubts, Contains(HasSubstr("resonator.length = 250 m")));
+  EXPECT_THAT(doubts, Not(Contains(HasSubstr("resonator.thickness = "))));
+}
+
 TEST(Doubts, SayWhichUnitWasMeant) {
   const auto of = [&](const std::string& change) { return said("dang2012", {change}); };
   EXPECT_THAT(of("resonator.young=210"), Contains(HasSubstr("is it in GPa (2.1e+11 Pa)?")));
