@@ -200,7 +200,8 @@ class VelocityAnalysis {
   std::vector<HalfPower> half_power_;  // of each mode
 };
 
-PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, double rate) {
+PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, double rate,
+                       ContactLaw law) {
   const auto read = [&](const char* dataset) {
     return reader.column(dataset, stretch.first, stretch.count);
   };
@@ -208,7 +209,7 @@ PowerBalance powers_of(const ResultReader& reader, const Stretch& stretch, doubl
              contact = read("energy/contact"), loss = read("energy/damping_loss"),
              sliding = read("energy/sliding_work"), load = read("energy/load_work");
   return power_balance({kinetic, elastic, contact, loss, sliding, load},
-                       (static_cast<double>(stretch.count) - 1) / rate);
+                       (static_cast<double>(stretch.count) - 1) / rate, law);
 }
 
 MeshTone mesh_tone(const std::optional<Scene>& scene, const Analysis& a) {
@@ -308,7 +309,7 @@ Analysis analyze(const std::filesystem::path& file, const AnalysisOptions& optio
   const double ringing = ringing_of(a.natural_frequencies, a.modal_damping);
   a.intervals = intervals_of_run(a.history, a.lv, a.shocks.rate, ringing);
   if (!a.has_modes) take_intervals(contents.summary, ringing, a);
-  a.energy = powers_of(reader, stretch, a.rate);
+  a.energy = powers_of(reader, stretch, a.rate, scene ? scene->contact.law : ContactLaw::penalty);
   a.energy_per_shock = a.shocks.rate > 0 ? a.energy.given / a.shocks.rate : quiet_nan;
   a.mesh = mesh_tone(scene, a);
   mark_mesh(a.peaks, a.mesh.frequency, a.spectrum.resolution);

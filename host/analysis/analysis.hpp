@@ -71,7 +71,7 @@ struct Analysis {
   double modal_damping = 0;   // of the resonator; NaN where the scene is not known
   ShockStatistics shocks;
   PowerBalance energy;
-  double energy_per_shock = 0;  // J, given to the beams; NaN without shocks or without a balance
+  double energy_per_shock = 0;  // J, given to both bodies; NaN without shocks or without a balance
   VelocitySpectrum spectrum;
   BandLevels bands;
   std::vector<double> probe_position;           // m, on the resonator

@@ -57,7 +57,7 @@ std::string shocks_text(const Analysis& a) {
   if (s.count > 1) text += line("  start to start", spread_text(s.interval, 1e-6, "us"));
   if (!std::isnan(a.energy_per_shock))
     text += line("  energy",
-                 fmt::format("mean {:.3g} nJ given to the beams", a.energy_per_shock / 1e-9));
+                 fmt::format("mean {:.3g} nJ given to the bodies", a.energy_per_shock / 1e-9));
   return text;
 }
 

@@ -16,7 +16,7 @@ double rise(std::span<const double> values) { return values.back() - values.fron
 
 }  // namespace
 
-PowerBalance power_balance(const EnergyColumns& e, double seconds) {
+PowerBalance power_balance(const EnergyColumns& e, double seconds, ContactLaw law) {
   if (e.kinetic.size() < 2) {
     return {quiet_nan, quiet_nan, quiet_nan, quiet_nan, quiet_nan,
             quiet_nan, quiet_nan, quiet_nan, quiet_nan};
@@ -27,7 +27,9 @@ PowerBalance power_balance(const EnergyColumns& e, double seconds) {
   b.damping = rise(e.damping_loss) / seconds;
   b.storing = (rise(e.kinetic) + rise(e.elastic) + rise(e.contact)) / seconds;
   b.missing = b.storing + b.damping - b.sliding - b.load;
-  b.given = (rise(e.kinetic) + rise(e.elastic)) / seconds + b.damping - b.load;
+  b.given = law == ContactLaw::penalty
+                ? b.sliding - rise(e.contact) / seconds
+                : (rise(e.kinetic) + rise(e.elastic)) / seconds + b.damping - b.load;
   b.kinetic = mean(e.kinetic);
   b.elastic = mean(e.elastic);
   b.contact = mean(e.contact);
