@@ -76,7 +76,8 @@ Json points_json(const PointContacts& points) {
           {"hertz_contact_stiffness", points.hertz.stiffness},
           {"hertz_stiffness", points.hertz.kappa},
           {"width", points.width},
-          {"width_in_spacings", points.nodes}};
+          {"width_in_spacings", points.nodes},
+          {"shock_error", points.shock_error}};
 }
 
 Json choice_json(const FaceChoice& choice) {

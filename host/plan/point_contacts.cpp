@@ -99,7 +99,16 @@ double mean_radius(const Model& model, const std::vector<SummitPlace>& summits, 
   return count > 0 ? count / curvature : 0.0;
 }
 
+/// Error where a contact is one node wide; it goes with the square of the spacing.
+double error_of_one(Faces faces) { return faces == Faces::smooth ? 0.1 : 0.4; }
+
 }  // namespace
+
+double shock_error_of(double nodes, Faces faces) { return error_of_one(faces) / (nodes * nodes); }
+
+double nodes_for(double shock_error, Faces faces) {
+  return std::sqrt(error_of_one(faces) / shock_error);
+}
 
 PointContact point_contact(double modulus, double radius, double force) {
   PointContact contact;
@@ -190,6 +199,7 @@ PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
   found.width = width_on_springs(scene.contact.stiffness, found.radius, found.load);
   found.nodes = found.width / (model.has_smooth_faces() ? model.spacing_y
                                                         : std::max(scene.spacing, model.spacing_y));
+  found.shock_error = shock_error_of(found.nodes, scene.faces);
   return found;
 }
 

@@ -35,7 +35,17 @@ struct PointContacts {
   double width = 0;    // m, of a contact on the scene's springs
   double nodes = 0;    // that it is wide, along or across, where they are farther apart; smooth
                        // faces have none along x: rows
+  double shock_error = 0;  // of rates of shocks and of their durations, relative (shock_error_of)
 };
+
+/// By how much rates of shocks and their median durations are off, about and at the most, where a
+/// contact is so many nodes, or rows between smooth faces, wide. Fitted to runs of
+/// scenes/areal.toml with springs of 1e15 to 1e17 Pa/m (docs/accuracy.md, On maps); at 1e15 Pa/m it
+/// overstates.
+double shock_error_of(double nodes, Faces faces);
+
+/// How many nodes, or rows, wide a contact must be for such an error.
+double nodes_for(double shock_error, Faces faces);
 
 /// None (radius 0) of plane scenes, without a load that is known, under multipliers, and where both
 /// bodies are rigid. `start`: of the model.

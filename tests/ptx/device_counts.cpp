@@ -57,8 +57,8 @@ std::span<const Stretch> stretches() {
   if constexpr (RA2D_TEST_PACKS > 1) return areal_stretches;
   return plane_stretches;
 }
-constexpr double areal_step = 1e-7;  // s
-constexpr int scenes_in_step = 16;   // in a block of `adaptive` (kernels/march.hpp)
+constexpr double areal_step = 1e-7, areal_spacing = 32e-6;  // s, m
+constexpr int scenes_in_step = 16;  // in a block of `adaptive` (kernels/march.hpp)
 
 /// Instructions that so many scenes in step take for a step on `scenes_in_step` warps, for as many
 /// scenes as warps, of steps drawn at random. In every phase each warp takes the next scene, and
@@ -100,6 +100,10 @@ nlohmann::ordered_json count(const Stretch& stretch, MarchPrograms& programs,
                              const std::filesystem::path& scenes, const char* lines_folder) {
   Scene scene = read_scene(scenes / stretch.scene);
   scene.time.scheme = stretch.scheme;
+  if (scene.kind == SceneKind::areal) {
+    scene.spacing = areal_spacing;
+    scene.spacing_y = areal_spacing;
+  }
   if (stretch.scheme == SchemeKind::adaptive)
     scene.time.tolerance = tolerance;
   else if (scene.kind == SceneKind::areal)
