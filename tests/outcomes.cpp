@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "tests/dice.hpp"
 
@@ -26,6 +27,26 @@ Outcome march(Model model, const ModalStart& start, Nodes nodes, const BatchOpti
     out.end = batch.snapshot(0);
   } while (out.end.status == Status::running);
   return out;
+}
+
+Outcome march_from_saved_states(const Model& model, const ModalStart& start, std::uint64_t seed) {
+  std::mt19937_64 dice(seed);
+  Outcome out;
+  SavedState saved = Batch({model}, {start}).save(0);
+  for (std::int64_t launches = 0;; ++launches) {
+    Batch batch({model}, {start});
+    batch.restore(0, saved);
+    const std::int64_t longest = std::max<std::int64_t>(1, model.steps / 8);
+    batch.march(batch.snapshot(0).step + 1 +
+                static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
+    const Drained drained = batch.drain(0);
+    out.lanes = drained.lanes;
+    out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
+    out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
+    out.end = batch.snapshot(0);
+    if (out.end.status != Status::running) return out;
+    saved = batch.save(0);
+  }
 }
 
 Variant SchemeUnderLaw::variant() const {

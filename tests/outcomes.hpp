@@ -26,6 +26,9 @@ struct Outcome {
 
 Outcome march(Model model, const ModalStart& start, Nodes nodes, const BatchOptions& options = {});
 
+/// Marches in launches of random length; after each, all but the saved state is thrown away.
+Outcome march_from_saved_states(const Model& model, const ModalStart& start, std::uint64_t seed);
+
 /// EXPECT_TRUE(same(a, b)): bit for bit, or what differs.
 testing::AssertionResult same(const Outcome& a, const Outcome& b);
 

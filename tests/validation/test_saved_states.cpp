@@ -16,27 +16,6 @@
 namespace ra2d::test {
 namespace {
 
-/// Marches in launches of random length; after each, all but the saved state is thrown away.
-Outcome march_from_saved_states(const Model& model, const ModalStart& start, std::uint64_t seed) {
-  std::mt19937_64 dice(seed);
-  Outcome out;
-  SavedState saved = Batch({model}, {start}).save(0);
-  for (std::int64_t launches = 0;; ++launches) {
-    Batch batch({model}, {start});
-    batch.restore(0, saved);
-    const std::int64_t longest = std::max<std::int64_t>(1, model.steps / 8);
-    batch.march(batch.snapshot(0).step + 1 +
-                static_cast<std::int64_t>(dice() % static_cast<std::uint64_t>(longest)));
-    const Drained drained = batch.drain(0);
-    out.lanes = drained.lanes;
-    out.rows.insert(out.rows.end(), drained.sample_rows.begin(), drained.sample_rows.end());
-    out.shocks.insert(out.shocks.end(), drained.shocks.begin(), drained.shocks.end());
-    out.end = batch.snapshot(0);
-    if (out.end.status != Status::running) return out;
-    saved = batch.save(0);
-  }
-}
-
 void expect_goes_on_the_same(const Started& c, std::uint64_t seed) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   const Outcome whole = march(c.model, c.start, c.model.scene.time.nodes);
