@@ -18,6 +18,7 @@
 #include "host/plan/step_costs.hpp"
 #include "host/scene/names.hpp"
 #include "host/scene/schemes.hpp"
+#include "host/store/table.hpp"
 #include "host/surface/spline.hpp"
 
 namespace ra2d {
@@ -393,15 +394,23 @@ std::string points_text(const Model& model, const Plan& plan) {
   const PointContacts& p = plan.points;
   if (p.radius == 0) return {};
   const Scene& scene = model.scene;
-  return fmt::format(
+  constexpr double large = 0.1, small = 0.05;
+  std::string text = fmt::format(
       "contacts   {} at the start, {:.2g} N each, on summits of {:.2g} mm radius (E* = {:.3g} "
       "GPa); "
       "by\n           Hertz {:.2g} N/m and {:.2g} um wide: contact.stiffness = {:.2g} makes it as "
       "stiff\n           on contact.stiffness = {:.2g} Pa/m they are {:.2g} um wide, {:.2g} "
-      "{}\n",
+      "{}:\n           rates of shocks and their durations are off by some {:.{}f} %\n",
       p.contacts, p.load, p.radius * 1e3, p.modulus * 1e-9, p.hertz.stiffness,
       2e6 * p.hertz.half_width, p.hertz.kappa, scene.contact.stiffness, p.width * 1e6, p.nodes,
-      model.has_smooth_faces() ? "rows" : "spacings");
+      model.has_smooth_faces() ? "rows" : "spacings", 100 * p.shock_error,
+      p.shock_error < 0.01 ? 1 : 0);
+  if (!(p.shock_error > large)) return text;
+  const auto spacing = [&](Faces faces) { return rounded_down(p.width / nodes_for(small, faces)); };
+  return text + fmt::format(
+                    "           {:g} % takes scene.spacing = {}, or scene.faces = \"smooth\" and\n"
+                    "           scene.spacing_y = {}\n",
+                    100 * small, spacing(Faces::linear), spacing(Faces::smooth));
 }
 
 /// A line a choice: how far off it makes the answer, and what it costs.
@@ -571,22 +580,34 @@ std::string size_text(double bytes) {
 }
 
 double result_bytes(const Model& model) {
-  constexpr double fixed_part = 60000;  // bytes: attributes, texts, the library's own
+  constexpr double fixed_part = 170000;  // bytes: attributes, texts, the library's own
+  constexpr double most_places = 1001, usual_places = 500;  // of a mode's shape; of a plate's
+  constexpr int energies_and_force = 7, of_shocks = 7;      // columns
   const Scene& scene = model.scene;
-  const bool has_modes = scene.output.modes == KeptModes::all;
-  const double columns =  // that are stored in the asked precision
-      (has_modes
-           ? 2.0 * static_cast<double>(model.resonator.modes.size() + model.slider.modes.size())
-           : 0.0) +
-      2.0 * static_cast<double>(scene.output.probes.size() + scene.output.slider_probes.size()) + 7;
-  constexpr double time_and_nodes = 2 * 8;  // bytes
-  const double row =
-      time_and_nodes + (scene.output.precision == Precision::real32 ? 4 : 8) * columns;
+  const double real = scene.output.precision == Precision::real32 ? 4 : 8;  // bytes
+  const auto table = [](double rows, std::size_t width, double number) {
+    if (width == 0) return 0.0;
+    const auto chunk = static_cast<double>(chunk_rows(width));
+    return std::ceil(rows / chunk) * chunk * static_cast<double>(width) * number;
+  };
+  const auto samples = static_cast<double>(model.kept_samples());
+  double bytes = fixed_part + 2 * table(samples, 1, 8) +  // times, and nodes in contact
+                 energies_and_force * table(samples, 1, real) + of_shocks * table(1, 1, 8);
+  std::vector<std::size_t> moving{scene.output.probes.size(), scene.output.slider_probes.size()};
+  if (scene.output.modes == KeptModes::all)
+    moving.insert(moving.end(), {model.resonator.modes.size(), model.slider.modes.size()});
+  for (const std::size_t width : moving) bytes += 2 * table(samples, width, real);
   const auto heights =
       static_cast<double>(model.resonator_height.size() + model.slider_height.size());
   const double places =
       model.is_areal ? model.row_heights() + model.row_nodes() + 2.0 * model.rows : heights;
-  return row * static_cast<double>(model.kept_samples()) + 8 * (heights + places) + fixed_part;
+  const auto shapes = [&](const Body& body, const std::vector<double>& nodes) {
+    return static_cast<double>(body.modes.size()) *
+           (model.is_areal ? usual_places
+                           : std::min(most_places, static_cast<double>(nodes.size())));
+  };
+  return bytes + 8 * (heights + places + shapes(model.resonator, model.resonator_height) +
+                      shapes(model.slider, model.slider_height));
 }
 
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start) {

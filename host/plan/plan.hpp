@@ -60,7 +60,7 @@ struct Plan {
   FaceChoices faces;
   // bytes on the device, for tables and buffers; of areal scenes on a CPU all that a run takes
   std::size_t memory = 0;
-  double file = 0;  // bytes, without the shocks
+  double file = 0;  // bytes (result_bytes)
   SoundPlan sound;
   std::vector<std::string> notes;  // what a user may not expect
 };
@@ -69,7 +69,7 @@ struct Plan {
 /// starts.
 Plan make_plan(const Model& model, std::size_t memory, const ModalStart& start = {});
 
-/// The size of a result's file, without its shocks [bytes].
+/// The size of a result's file, with room for the first 8192 shocks [bytes].
 double result_bytes(const Model& model);
 
 /// For people: so many bytes, up to terabytes.

@@ -17,14 +17,6 @@ namespace {
 
 using h5::check;
 
-constexpr std::size_t chunk_bytes = 128 * 1024;
-
-/// Rows of a chunk of a dataset that grows; a row has `width` numbers.
-hsize_t chunk_rows(hsize_t width) {
-  return std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
-                             rows_at_once);
-}
-
 /// Numbers as they stand in a file.
 class StoredNumbers {
  public:
@@ -57,6 +49,12 @@ class StoredNumbers {
 };
 
 }  // namespace
+
+hsize_t chunk_rows(hsize_t width) {
+  constexpr std::size_t chunk_bytes = 128 * 1024;
+  return std::clamp<hsize_t>(std::bit_floor(chunk_bytes / (width * sizeof(double))), 1,
+                             rows_at_once);
+}
 
 void Table::give(h5::GivenAttribute attribute) {
   h5::set_attribute(dataset, attribute);

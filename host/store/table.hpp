@@ -14,6 +14,9 @@ namespace ra2d {
 /// The most rows that are read from a table at once: 64 KiB of one column.
 inline constexpr std::size_t rows_at_once = 8192;
 
+/// Rows of a chunk of a dataset that grows; a row has `width` numbers. A file has whole chunks.
+hsize_t chunk_rows(hsize_t width);
+
 /// A dataset, seen as rows of `width` numbers; the first axis may grow.
 struct Table {
   const Entry* entry = nullptr;
