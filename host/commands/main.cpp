@@ -92,9 +92,8 @@ std::string unknown_option(const NamedCommand& named, const Words& words) {
 int dispatch(Words words) {
   using namespace ra2d;
   CLI::App app{
-      "ra2d: friction noise of rough surfaces. Two beams slide past each other, their asperities "
-      "collide, "
-      "each collision rings the beams' modes.",
+      "ra2d: friction noise of rough surfaces. Two beams, or a block and a plate, slide past each "
+      "other, their asperities collide, each collision rings the bodies' modes.",
       "ra2d"};
   app.set_version_flag("--version", program_text());
   app.require_subcommand(1);

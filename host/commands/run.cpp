@@ -42,7 +42,8 @@ struct RunRequest {
   std::filesystem::path output;
   bool fresh = false, force = false, json = false;
   double checkpoint = 10;                                      // min between two checkpoints
-  double most_wall = std::numeric_limits<double>::infinity();  // s
+  double most_wall = std::numeric_limits<double>::infinity();  // s, windows included
+  Clock::time_point begun = Clock::now();
   std::vector<std::string> zooms;
   std::optional<double> zoom_rate;  // Hz
 };
@@ -167,7 +168,6 @@ struct ZoomsRun {
 /// Runs windows to `zooms` until one of them is not complete. Throws RequestError, FileError.
 void run_windows(const RunRequest& request, const Scene& scene, const ZoomRequest& zoom,
                  RunOptions options, ZoomsRun& zooms) {
-  const Clock::time_point begun = Clock::now();
   const std::filesystem::path output = options.output;
   const std::vector<ZoomWindow> windows =
       zoom_windows(scene, zoom, ResultReader(output).contents().shocks);
@@ -179,7 +179,7 @@ void run_windows(const RunRequest& request, const Scene& scene, const ZoomReques
     options.output = zoom_name(output, i + 1);
     require_output(options.output, files_of(scene));
     options.doubts = {};  // they have been printed
-    options.most_wall = std::max(1e-3, request.most_wall - seconds_since(begun));
+    options.most_wall = std::max(1e-3, request.most_wall - seconds_since(request.begun));
     const Scene zoom_scene = zoomed(scene, windows[i], zoom.rate);
     const RunReport report = run(zoom_scene, options);
     if (options.progress) show({});

@@ -43,9 +43,9 @@ constexpr Group all_groups[] = {
     {"shocks", "shocks, in order of start"},
     {"level", "vibration level of the resonator"},
     {"summary", "figures of the report"},
-    {"surface", "profiles of the faces, as the run used them"},
-    {"surface/slider", "profile of the slider, positive towards the resonator"},
-    {"surface/resonator", "profile of the resonator, positive towards the slider"}};
+    {"surface", "heights of the faces, as the run used them"},
+    {"surface/slider", "heights of the slider's face, positive towards the resonator"},
+    {"surface/resonator", "heights of the resonator's face, positive towards the slider"}};
 
 // clang-format off
 const Entry all_entries[] = {

@@ -252,7 +252,11 @@ MapRows measured_map(const SurfaceSpec& spec, const MapNodes& nodes,
   rows.heights = on_points ? points_at(map, x, y) : map_on_spline(map, x, y).heights;
   if (!on_points && doubts != nullptr) doubt_between(file, map, x, y, rows, along, across, *doubts);
   const auto [low, high] = std::minmax_element(rows.heights.begin(), rows.heights.end());
-  const double slope = slope_of(rows.heights, rows.nx, part_on_face(rows), false, nodes.spacing);
+  const auto slope_along = [&](bool along_y, double spacing) {
+    return slope_of(rows.heights, rows.nx, part_on_face(rows), along_y, spacing);
+  };
+  const double slope =
+      std::max(slope_along(false, nodes.spacing), slope_along(true, nodes.spacing_y));
   check_proportion(file, {*high - *low, slope}, {"body", nodes.length, nodes.thickness}, doubts);
   return rows;
 }

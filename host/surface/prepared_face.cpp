@@ -135,7 +135,8 @@ void check_proportion(const std::filesystem::path& file, const FaceExtent& face,
                           : body.name == std::string("beam")
                               ? "say with x_unit and z_unit what x and z are in, or mend the units "
                                 "in its header"
-                              : "say with z_unit what the heights are in"));
+                              : "is z_unit what the heights are in, and are `spacing` and "
+                                "`spacing_y` in metres?"));
   if (doubts == nullptr) return;
   if (face.height > usual_faces::large_share * depth)
     doubts->push_back(fmt::format("{}: the heights span {:.3g} m on a {} {:.3g} m {}",

@@ -264,12 +264,17 @@ def apply(build, fault, folder):
         if (failed := build.is_sound(tests, filter)) is not None:
             raise Broken(f"without the fault fails {failed}")
         objects = dict(objects_for(tests))
-        build.link(f"tests/{tests}", objects, f"{folder}/{tests}")
         ra2d = f"{folder}/ra2d" if fault.get("program") else None
         if ra2d:
             build.link("ra2d", objects, ra2d)
-        killer = build.run(f"{folder}/{tests}", tests, filter, ra2d)
-        (folder / tests).unlink()
+        # those of the program's own sources, its commands, are in no test
+        in_tests = {place: mine for place, mine in objects.items() if "/ra2d.dir/" not in place}
+        tester = f"{folder}/{tests}" if in_tests else f"{build.folder}/tests/{tests}"
+        if in_tests:
+            build.link(f"tests/{tests}", in_tests, tester)
+        killer = build.run(tester, tests, filter, ra2d)
+        if in_tests:
+            (folder / tests).unlink()
         if killer:
             return "killed", killer
     return "survived", "of " + ", ".join(wanted)

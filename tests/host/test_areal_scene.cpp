@@ -16,6 +16,7 @@
 #include "host/base/errors.hpp"
 #include "host/body/plate.hpp"
 #include "host/model/model.hpp"
+#include "host/plan/point_contacts.hpp"
 #include "host/plan/stability.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -358,6 +359,8 @@ TEST_F(MeasuredMaps, AreRefusedWithTheCure) {
   write("deep.txt", 11, 6, [](int i, int) { return i < 5 ? 0.0 : 3e-3; });
   expect("path=\"row.txt\"", {"one row is a profile"});
   expect("path=\"high.txt\",z_unit=\"m\"", {"slopes have a root mean square of", "z_unit"});
+  write("steep.txt", 11, 6, [](int, int j) { return j % 2 == 0 ? 2e-4 : -2e-4; });
+  expect("path=\"steep.txt\",z_unit=\"m\"", {"slopes have a root mean square of 2", "spacing_y"});
   expect("path=\"deep.txt\",z_unit=\"m\"", {"the heights span 0.003 m on a body 0.005 m thick"});
   expect("path=\"ragged.txt\"", {"ragged.txt"});
   expect("path=\"gap.txt\"", {"row 2, point 2", "fill linear:WIDTH"});
@@ -693,6 +696,7 @@ TEST_F(ArealProgram, PlansWhatItWouldModel) {
   EXPECT_NEAR(points["load"].get<double>() * points["contacts"].get<double>(), 1.0, 1e-12);
   EXPECT_GT(points["hertz_stiffness"], 0);
   EXPECT_NEAR(points["width_in_spacings"], points["width"].get<double>() / 2e-4, 1e-9);
+  EXPECT_EQ(points["shock_error"], shock_error_of(points["width_in_spacings"], Faces::linear));
   EXPECT_GT(plan["memory_bytes"], 1e8);
   EXPECT_GE(plan["cost"]["touching_at_start"], 3);  // a free block stands on three
 }

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "host/device/backend.hpp"
@@ -109,6 +110,30 @@ TEST_F(Program, ARunThatTheDiskHasNoRoomForIsNotBegun) {
                  "output.rate=1e10"}),
             0);
   EXPECT_THAT(out_, HasSubstr(" TB, 10000000001 samples"));
+}
+
+/// A file has whole chunks: short runs take far more than their samples.
+TEST_F(Program, PlanTellsTheSizeOfTheFile) {
+  for (const char* rate : {"1e3", "1e5", "1e6"})
+    for (const char* precision : {"double", "float"}) {
+      const std::vector<std::string> words{scene_file("dang2012"),
+                                           "--set",
+                                           "scene.duration=0.03",
+                                           "--set",
+                                           "time.scheme=adaptive",
+                                           "--set",
+                                           std::string("output.rate=") + rate,
+                                           "--set",
+                                           std::string("output.precision=") + precision};
+      const auto with = [&](std::vector<std::string> all) {
+        all.insert(all.end(), words.begin(), words.end());
+        return all;
+      };
+      ASSERT_EQ(run(with({"plan", "--json"})), 0) << err_;
+      const double planned = nlohmann::json::parse(out_)["file_bytes"];
+      ASSERT_EQ(run(with({"run", "-o", "s.h5", "--force"})), 0) << err_;
+      EXPECT_NEAR(planned / static_cast<double>(fs::file_size(folder_ / "s.h5")), 1, 0.1) << rate;
+    }
 }
 
 TEST_F(Program, AnInterruptIsObeyedWithinAStepOfThousandsOfNodes) {
@@ -937,6 +962,8 @@ TEST_F(Program, WhatIsCountedBeginsAtTheAskedTimeUnderAdaptiveToo) {
         << err_;
     double level = 0;
     EXPECT_EQ(std::sscanf(out_.c_str() + out_.find("level Lv"), "level Lv %lf", &level), 1) << out_;
+    EXPECT_EQ(out_.find(fmt::format("m/s), from {} s on", from)) != out_.npos,
+              std::string_view(from) != "0.0");
     return level;
   };
   for (const char* from : {"0.0", "0.0313", "0.0999"})
