@@ -28,7 +28,9 @@ Stretch analysed_stretch(const ResultContents& contents, const std::optional<Sce
   a.from = stretch.from;
   a.to = stretch.to;
   a.whole = stretch.whole;
-  a.samples = stretch.count;
+  // one sample alone has no rate, and is not analysed
+  a.samples =
+      std::isnan(contents.rate) && a.from <= contents.start ? contents.samples : stretch.count;
   if (stretch.count > most_samples)
     throw RequestError(
         fmt::format("{}: {} samples are more than can be transformed at once ({}): "

@@ -188,9 +188,9 @@ std::string mesh_tone_text(const MeshTone& mesh) {
 
 std::string describe(const Analysis& a) {
   std::string text =
-      fmt::format("{}: {}, {:g} s to {:g} s, {} samples{}\n", printable(a.file.string()),
+      fmt::format("{}: {}, {:g} s to {:g} s, {} sample{}{}\n", printable(a.file.string()),
                   printable(shortened(a.title, longest_title)), a.from, a.to, a.samples,
-                  a.samples > 1 ? " at " + frequency_text(a.rate) : "");
+                  a.samples == 1 ? "" : "s", a.samples > 1 ? " at " + frequency_text(a.rate) : "");
   if (!a.complete)
     text += line("incomplete", "the run was cut short: " + printable(shortened(a.ended, 120)));
   text += line("level Lv", level_text(a));

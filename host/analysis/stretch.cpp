@@ -39,10 +39,13 @@ Stretch choose_stretch(const ResultContents& contents, const std::optional<Scene
   if (s.to > end * (1 + 1e-12))
     throw RequestError(
         fmt::format("{}: --to {:g}: the run ends at {:g} s", file.string(), s.to, end));
+  if (to && !(s.from < s.to))
+    throw RequestError(
+        fmt::format("{}: from {:g} s to {:g} s there is nothing: expected --from before --to",
+                    file.string(), s.from, s.to));
   if (!s.whole && !(s.from < s.to))
-    throw RequestError(fmt::format("{}: from {:g} s {} there is nothing: the run ends at {:g} s",
-                                   file.string(), s.from,
-                                   to ? fmt::format("to {:g} s", s.to) : "on", end));
+    throw RequestError(fmt::format("{}: from {:g} s on there is nothing: the run ends at {:g} s",
+                                   file.string(), s.from, end));
   if (std::isnan(contents.rate)) return s;
   const auto place = [&](double time) {
     return std::max(0.0, (time - contents.start) * contents.rate);

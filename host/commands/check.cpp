@@ -13,6 +13,7 @@
 #include "host/commands/print.hpp"
 #include "host/run/checked_checkpoint.hpp"
 #include "host/store/checked_file.hpp"
+#include "host/store/output_names.hpp"
 #include "host/study/study_check.hpp"
 #include "host/system/input_file.hpp"
 
@@ -30,10 +31,20 @@ struct Found {
   std::string whole;
 };
 
+/// Of a result, with the checkpoints beside it from which its run would go on.
 Found find_fault(const std::filesystem::path& file) {
-  const CheckedFile found = check_result(file);
-  return {found.faults, fmt::format("{}; {} datasets, {:.1f} MB, all with their hashes", found.what,
-                                    found.datasets, found.bytes * 1e-6)};
+  const CheckedFile result = check_result(file);
+  Found found{result.faults, fmt::format("{}; {} datasets, {:.1f} MB, all with their hashes",
+                                         result.what, result.datasets, result.bytes * 1e-6)};
+  const OutputNames names = output_names(file);
+  for (const std::filesystem::path& saved : {names.checkpoint, names.previous}) {
+    if (!std::filesystem::is_regular_file(saved)) continue;
+    const CheckedCheckpoint checkpoint = check_checkpoint(saved);
+    for (const std::string& fault : checkpoint.faults)
+      found.faults.push_back(fmt::format("'{}': {}", saved.string(), fault));
+    found.whole += fmt::format("\n  beside it {}", checkpoint.what);
+  }
+  return found;
 }
 
 Found find_any_fault(const std::filesystem::path& file) {

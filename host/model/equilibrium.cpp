@@ -335,11 +335,12 @@ constexpr const char* no_rest =
     "no displacement of the kept modes keeps the faces apart: there is no static equilibrium";
 
 RequestError no_equilibrium(const Scene& scene, const std::string& why) {
-  return refusal(scene, "scene.initial",
-                 fmt::format("\"static\", and {} under this load and contact. {}", why,
-                             scene.contact.law == ContactLaw::multiplier
-                                 ? "Widen scene.gap, or keep more modes (max_frequency)"
-                                 : "Start from \"rest\", or lower contact.stiffness"));
+  return refusal(
+      scene, "scene.initial",
+      fmt::format("\"static\", and {} under this load and contact. {}", why,
+                  scene.contact.law == ContactLaw::multiplier
+                      ? "Widen scene.gap, or keep more modes (max_frequency)"
+                      : "Start from \"rest\", or change scene.gap or contact.stiffness"));
 }
 
 RequestError too_many_touch(const Scene& scene, std::int64_t nodes) {

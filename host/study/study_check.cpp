@@ -87,7 +87,8 @@ void check_kept(const StudyFolder& folder, const FinishedRun& run,
                                  run.figures.v_rms));
 }
 
-/// Results of runs of earlier versions of the study; how many there are.
+/// Results that no ledger has: of earlier versions of the study, or of runs that were cut off
+/// before their entry; how many there are.
 std::size_t check_earlier(const StudyFolder& folder, const std::set<std::filesystem::path>& kept,
                           std::vector<std::string>& faults) {
   std::set<std::filesystem::path> files;
@@ -136,8 +137,10 @@ CheckedStudy check_study(const StudyFolder& folder) {
                     points_to_run.size(), done, failed, missing);
     if (!kept.empty()) found.what += fmt::format(", also of {} results", kept.size());
     if (const std::size_t count = check_earlier(folder, kept, found.faults); count > 0)
-      found.what += fmt::format(", and of {} result{} of earlier versions of the study", count,
-                                count == 1 ? "" : "s");
+      found.what += fmt::format(
+          ", and of {} result{} that no ledger has, as of earlier versions of "
+          "the study",
+          count, count == 1 ? "" : "s");
     if (missing == points_to_run.size() && !finished.runs.empty())
       found.what +=
           fmt::format("; the ledgers hold {} finished runs of another version or build of ra2d",

@@ -694,7 +694,7 @@ TEST_F(Analyze, RefusesWhatTheFileDoesNotHave) {
            {{"nowhere.h5"}, 4, "No such file"},
            {{"a.h5", "nowhere.h5"}, 4, "nowhere.h5"},
            {{"a.h5", "--from", "0.2"}, 2, "from 0.2 s on there is nothing"},
-           {{"a.h5", "--from", "0.05", "--to", "0.05"}, 2, "there is nothing"},
+           {{"a.h5", "--from", "0.05", "--to", "0.05"}, 2, "expected --from before --to"},
            {{"a.h5", "--to", "0.2"}, 2, "the run ends at 0.1 s"},
            {{"a.h5", "--to", "1e-9"}, 2, "there is one sample"},
            {{"a.h5", "--segment", "10002"}, 2, "expected 4 to 10001"},
@@ -723,6 +723,9 @@ TEST_F(Analyze, OfARunThatWasTooShortSaysWhatThereIsNot) {
               AllOf(HasSubstr("spectrum         none"), HasSubstr("third octaves    none"),
                     HasSubstr("the resonator did not vibrate")));
   EXPECT_THAT(ra2d({"analyze", "a.h5", "--json"}).out, HasSubstr("\"lv\":null"));
+  // the state at t = 0 alone
+  run("one.h5", {"scene.duration=1e-6"});
+  EXPECT_THAT(ra2d({"analyze", "one.h5"}).out, HasSubstr(" s, 1 sample\n"));
 }
 
 }  // namespace

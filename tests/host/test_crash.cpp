@@ -562,10 +562,14 @@ TEST_F(Crash, CheckFindsEveryDamageAndNothingElse) {
         << kept.substr(0, static_cast<std::size_t>(part * static_cast<double>(kept.size())));
     EXPECT_EQ(check(out_).status, 4) << part;
   }
+  std::ofstream(out_, std::ios::binary) << kept;
+  EXPECT_THAT(check(out_).out, HasSubstr("beside it a checkpoint of"));
   fs::remove(segment);
-  found = check(checkpoint());
-  EXPECT_EQ(found.status, 4);
-  EXPECT_THAT(found.err, HasSubstr("000001.h5"));
+  for (const fs::path& file : {checkpoint(), previous(), out_}) {
+    found = check(file);
+    EXPECT_EQ(found.status, 4);
+    EXPECT_THAT(found.err, HasSubstr("000001.h5"));
+  }
   EXPECT_EQ(check(folder_ / "none.h5").status, 4);
 }
 
