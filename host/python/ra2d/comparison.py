@@ -128,7 +128,10 @@ class Comparison:
         tested = int(self.bands.chance.notna().sum())
         marked = self.bands[self.bands.chance < MARK]
         if not tested:
-            return [f"third octaves: not known: {self.bands.why.iloc[0]}"]
+            causes = self.bands.why.value_counts()
+            return ["third octaves: not known: " + "; ".join(
+                f"{count} of {len(self.bands)}, {why}" if len(causes) > 1 else why
+                for why, count in causes.items())]
         if marked.empty:
             return [f"third octaves: none of {tested} differs by more than chance"]
         what = "more than chance," if marked.differs.eq(True).all() else f"{OTHER_FACES}:"
@@ -380,14 +383,14 @@ def _test_of_runs(a: _Run, b: _Run, of: Callable[[_Run], tuple[float, Values]],
         if not run.has_modes and not np.isfinite(parts).any():
             return x, y, math.nan, f"{side}: the file has no motion of the modes (output.modes)"
         if np.isfinite(parts).sum() < FEWEST:
-            return x, y, math.nan, f"{side}: fewer than {FEWEST} of its ten parts have one"
+            return x, y, math.nan, f"{side}: fewer than {FEWEST} of its ten parts have a value"
     if not paired:
         return x, y, means_differ(one[np.isfinite(one)], other[np.isfinite(other)],
                                   (a.widening, b.widening)), NO_SCATTER
     both = one - other
     finite = both[np.isfinite(both)]
     if finite.size < FEWEST:
-        return x, y, math.nan, f"fewer than {FEWEST} of ten pairs of parts have one"
+        return x, y, math.nan, f"fewer than {FEWEST} of ten pairs of parts have a value"
     # differences of the parts are free of one another: 60 pairs gave 18 alarms of 420
     return x, y, mean_differs(finite), NO_SCATTER
 
@@ -498,10 +501,10 @@ def _test_of_sets(one: Values, other: Values, paired: bool) -> tuple[float, str]
         both = one - other
         finite = both[np.isfinite(both)]
         return mean_differs(finite), NO_SCATTER if finite.size > 1 else (
-            "fewer than two pairs have one")
+            "fewer than two pairs have a value")
     x, y = one[np.isfinite(one)], other[np.isfinite(other)]
     return means_differ(x, y), NO_SCATTER if min(x.size, y.size) > 1 else (
-        "fewer than two runs of a side have one")
+        "fewer than two runs of a side have a value")
 
 
 def _mean(values: Values) -> float:

@@ -286,7 +286,18 @@ def test_each_reason_is_of_its_quantity(base, folder, result):
     rare = [math.nan] * 3 + [1.0] * 7
     _, _, _, why = comparison._test_of_runs(
         comparison._Run(result), comparison._Run(result), lambda run: (1.0, np.array(rare)), True)
-    assert why == "A: fewer than 8 of its ten parts have one"
+    assert why == "A: fewer than 8 of its ten parts have a value"
+
+
+def test_each_cause_for_which_third_octaves_are_not_known_is_told(result):
+    found = ra2d.compare(result, result)
+    bands = found.bands.iloc[:3].assign(chance=math.nan, differs=None, why="A: too few")
+    alike = dataclasses.replace(found, bands=bands)
+    assert "third octaves: not known: A: too few\n" in alike.text()
+    bands = bands.assign(why=["only A has one", "A: too few", "A: too few"])
+    unlike = dataclasses.replace(found, bands=bands)
+    assert ("third octaves: not known: 2 of 3, A: too few; 1 of 3, only A has one\n"
+            in unlike.text())
 
 
 def test_one_run_twice_is_told(result, folder):
