@@ -73,7 +73,8 @@ class Comparison:
     """The differences between A and B.
 
     - `names`: what A and B are called
-    - `scene`: a row for each key that differs: `a`, `b`, `unit`; None where a side does not have it
+    - `scene`: a row for each key that differs: `a`, `b`, `unit`; None where a side does not have
+      it, a tuple where the results of a list differ in it
     - `answers`: a row for each quantity: `a`, `b`, `unit`; `difference`, b - a in dB for levels,
       and 100 ln(b/a) for others (small ones are per cent); `chance`: how likely chance alone makes
       such a difference or a greater one; `differs`: True where that is below 0.05, None where that
@@ -194,7 +195,10 @@ def _plain(value: Any) -> Any:
 
 
 def _shown(value: Any) -> str:
-    text = "-" if value is None else value if isinstance(value, str) else toml.value(value)
+    if isinstance(value, tuple):  # of a list of results
+        text = ", ".join(map(_shown, value))
+    else:
+        text = "-" if value is None else value if isinstance(value, str) else toml.value(value)
     return text if len(text) <= 60 else text[:59] + "\u2026"
 
 
@@ -252,7 +256,7 @@ def _scene_table(a: Mapping[str, Any], b: Mapping[str, Any]) -> pd.DataFrame:
     rows = []
     for key in keys:
         sides = [one.get(key), other.get(key)]
-        is_number = any(isinstance(side, int | float | list) and not isinstance(side, bool)
+        is_number = any(isinstance(side, int | float | list | tuple) and not isinstance(side, bool)
                         for side in sides)
         rows.append({"a": sides[0], "b": sides[1], "unit": UNITS.get(key.rsplit(".", 1)[-1], "")
                      if is_number else ""})
@@ -658,17 +662,25 @@ def _content_of_study(study: Study) -> dict[str, Any]:
     return found | {"study": toml.parse(str(study.attrs["study"]))}
 
 
+def _content_of_list(side: Sequence[Result]) -> dict[str, Any]:
+    """Of each key the value that all have, or a tuple of the different ones, None where a run does
+    not have it: in one order, so that sides with the same seeds do not differ."""
+    contents = [_flat(one.scene.content()) for one in side]
+    found = {}
+    for key in dict.fromkeys(key for content in contents for key in content):
+        values = {repr(content.get(key)): content.get(key) for content in contents}
+        ordered = tuple(values[text] for text in sorted(values, key=lambda text: (len(text), text)))
+        found[key] = ordered[0] if len(ordered) == 1 else ordered
+    return found
+
+
 def _content(side: Any) -> dict[str, Any]:
     if isinstance(side, Scene):
         return side.complete()
     if isinstance(side, Study):
         return _content_of_study(side)
     first = side[0] if isinstance(side, list) else side
-    found = first.scene.content()
-    if isinstance(side, list):  # what differs within a side is told by the test
-        for other in side[1:]:
-            common = {key: value for key, value in _flat(other.scene.content()).items()}
-            found = {key: value for key, value in _flat(found).items() if common.get(key) == value}
+    found = _content_of_list(side) if isinstance(side, list) else first.scene.content()
     program = {name: first.attrs[name] for name in ("version", "commit") if name in first.attrs}
     return dict(found) | ({"program": program} if program else {})
 

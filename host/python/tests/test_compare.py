@@ -139,6 +139,13 @@ def test_sets_are_paired_by_their_faces_in_any_order(sets):
         ra2d.student.mean_differs(levels[0] - levels[1]), rel=1e-6)
     unlike = ra2d.compare(sets[0.1][:3], sets[0.1][1:])
     assert "Welch" in unlike.test and not unlike.answers.differs.any()
+    assert unlike.scene.to_dict("index") == {
+        "slider.surface.seed": {"a": (0, 1, 2), "b": (1, 2, 3), "unit": ""}}
+    assert re.search(r"the scenes differ in\n.*\n +slider.surface.seed +0, 1, 2 +1, 2, 3\n",
+                     unlike.text())
+    fast = ra2d.compare([sets[0.1][0], sets[0.4][0]], sets[0.1][:2]).scene
+    assert fast.loc["scene.speed"].tolist() == [(0.1, 0.4), 0.1, "m/s"]
+    assert fast.loc["slider.surface.seed"].tolist() == [0, (0, 1), ""]
 
 
 def test_studies_of_other_settings_differ(base, folder):
