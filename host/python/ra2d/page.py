@@ -232,10 +232,9 @@ def _about(result: Result, sound: Sound, full_scale: float) -> Markup:
     if "full_scale_pa" in about:
         return _about_heard(result, sound, full_scale)
     slow, whole = about["slow"], (found["to"] - found["from"]) * about["slow"]
-    text = html("<b>{}</b>, at {} m: {} s to {} s of the run. Full scale is {} m/s.",
-                f"{slow:g} times slower" if slow > 1 else "As it is", number(about["position"]),
-                number(about["from"]),
-                number(about["to"]), number(full_scale))
+    text = html("<b>{}</b>, {}: {} s to {} s of the run. Full scale is {} m/s.",
+                f"{slow:g} times slower" if slow > 1 else "As it is", sound.place(),
+                number(about["from"]), number(about["to"]), number(full_scale))
     if len(sound.samples) < 0.999 * whole * sound.rate:
         text += html(" Shortened: all of it would last {} s.", number(whole))
     return text + (html(" What is heard at 1 kHz moves at {} kHz.", f"{slow:g}") if slow > 1

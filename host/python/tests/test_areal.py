@@ -131,6 +131,7 @@ def test_motion_is_shown_at_a_time(areal):
 def test_pages_have_the_maps(areal, folder):
     page = areal.report(folder / "areal.html").read_text()
     assert page.count('href="data:image/png;base64,') == 2
+    assert page.count("</b>, probe 1 at 0.1, 0.13 m: ") == 2  # as it is, and slower
 
 
 def test_pages_say_what_was_requested(areal):
