@@ -321,6 +321,8 @@ def _section(result: Result, sheet: page_svg.Sheet, sounds: dict[str, Any]) -> d
                          number(found["to"], 6),
                          _origin(result.attrs)),
             "figures": _figures(found), "damping": _peaks(found), "sounds": sounds,
+            "has_intervals": found["lv_interval"]["low"] is not None
+            or found["shocks"]["rate_interval"]["low"] is not None,
             "pictures": page_pictures.of_result(result, sheet), "requested": _requested(result),
             "scene": _scene_text(result)}
 

@@ -283,8 +283,10 @@ def test_messages_name_files_without_folders(folder):
     assert "differ in more than their faces" in text and str(folder) not in text
 
 
-def test_the_level_has_a_reason_where_it_has_no_interval(short):
+def test_the_level_has_a_reason_where_it_has_no_interval(short, whole):
     result, text = short
+    of_intervals = "The 95 % intervals of level and shocks are of this run"
+    assert of_intervals in whole and of_intervals not in text
     assert dict(rows(text,
                      "What came out"))["level Lv"].endswith(
                          f"; no interval: {result.analysis()['no_interval']}")
