@@ -151,7 +151,8 @@ def main(requests: TextIO) -> int:
     for stream in (sys.stdout, sys.stderr):  # as the program writes, in every locale
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding="utf-8", errors="replace")
-    warnings.showwarning = lambda message, *rest: _say(message)
+    warnings.showwarning = lambda message, *rest: _say(
+        message.args[0] if isinstance(message, Notice) else message)
     request = json.load(requests)
     made = _path(request["made"]) if "made" in request else "the answer"
     warnings.simplefilter("ignore" if request.get("quiet") else "always", UserWarning)
@@ -161,7 +162,8 @@ def main(requests: TextIO) -> int:
         sys.stdout.write(COMMANDS[request["command"]](request))
         sys.stdout.flush()
     except Error as fault:
-        _say(fault if isinstance(fault, RequestError) else f"{made} was not made: {fault}")
+        said = fault.args[0]  # without what is said of Python
+        _say(said if isinstance(fault, RequestError) else f"{made} was not made: {said}")
         return _status(fault)
     except ImportError:
         return library_missing()

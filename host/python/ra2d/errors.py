@@ -13,7 +13,10 @@ from contextvars import ContextVar
 
 class Error(Exception):
     """Any error of the program or of this package. The message says the problem, why, and the
-    cure."""
+    cure; `args[0]` is the program's, without what is said of Python."""
+
+    def __str__(self) -> str:
+        return for_python(super().__str__())
 
 
 class RequestError(Error, ValueError):
@@ -45,6 +48,9 @@ class ProgramError(Error):
 class Notice(UserWarning):
     """A message of the program beside its answer, such as a doubt about a number of the scene."""
 
+    def __str__(self) -> str:
+        return for_python(super().__str__())
+
 
 _kept: ContextVar[list[str] | None] = ContextVar("kept", default=None)
 
@@ -73,10 +79,19 @@ def kept_notices() -> Iterator[list[str]]:
         _kept.reset(before)
 
 
+# options of the program that are arguments in Python, too
+_FLAGS = ("a-weighting", "force", "fresh", "normalize", "power", "retry-failed")
+_OPTIONS = ("at", "checkpoint", "column", "cutoff", "cutoff-s", "decimal", "device", "filter",
+            "form", "full-scale", "max-wall", "pressure", "probe", "rate", "resolution", "row",
+            "sampling-lengths", "seeds", "segment", "shock", "slow", "spacing", "standard",
+            "temperature", "threads", "time", "what", "x-unit", "z-unit")
 # what the program says of its options, and the same in Python
-_IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"), (r"--(force|fresh)\b", r"\1=True"),
-              (r"with -o\b", 'output="other.h5"'), (r"--max-wall\b", "max_wall=..."),
-              (r"--checkpoint\b", "checkpoint=..."))
+_IN_PYTHON = ((r"duration <= ([\d.e-]+) s\b", r"duration=\1"),
+              (r"with -o\b|--output\b", 'output="other.h5"'),
+              (r"--from\b", "start=..."), (r"--to\b", "stop=..."),
+              (r"--slider-probe\b", 'body="slider", probe=...'),
+              *((rf"--{name}(?![\w-])", f"{name.replace('-', '_')}=True") for name in _FLAGS),
+              *((rf"--{name}(?![\w-])", f"{name.replace('-', '_')}=...") for name in _OPTIONS))
 _MORE_HELP = "\nRun with --help for more information."
 
 _CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
@@ -87,7 +102,7 @@ BY_STATUS: dict[int, type[Error]] = {2: RequestError, 3: SimulationError, 4: Fil
 
 def error_of(status: int, message: str) -> Error:
     """The exception for an exit status of the program (128 + n: signal n ended it)."""
-    message = _for_python(message)
+    message = message.removesuffix(_MORE_HELP)
     if status in BY_STATUS:
         return BY_STATUS[status](message)
     if status - 128 in _CRASHES:
@@ -99,13 +114,12 @@ def error_of(status: int, message: str) -> Error:
     return ProgramError(f"ra2d ended with status {status}: {message or 'it said nothing'}")
 
 
-def _for_python(message: str) -> str:
-    """The program's message, and how the cures it names are written in Python.
+def for_python(message: str) -> str:
+    """The program's message, and how the options it names are written in Python.
 
-    >>> _for_python("it exists: --force replaces it")
+    >>> for_python("it exists: --force replaces it")
     'it exists: --force replaces it\\nIn Python: force=True'
     """
-    message = message.removesuffix(_MORE_HELP)
     found = [match.expand(cure) for words, cure in _IN_PYTHON
              if (match := re.search(words, message))]
     return message + (f"\nIn Python: {', '.join(found)}" if found else "")

@@ -196,7 +196,7 @@ def _cuts(result: Result) -> tuple[list[Sound], str]:
                               slow=SLOWER,
                               rate=_rate_for(found["rate"] / 2 / SLOWER))]
     except RequestError as why:
-        return [], f"No sound: {shortened(str(why), LONGEST_DOUBT)}"
+        return [], f"No sound: {shortened(why.args[0], LONGEST_DOUBT)}"
     if not any(sound.about["peak_m_per_s"] for sound in cuts):
         return [], f"There is nothing to hear: {cuts[0].place()} does not move."
     return cuts, ""

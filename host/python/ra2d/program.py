@@ -222,5 +222,5 @@ def scratch() -> Iterator[pathlib.Path]:
         try:
             yield pathlib.Path(folder)
         except Error as fault:
-            fault.args = (str(fault).replace(f"{folder}/", ""),)
+            fault.args = (fault.args[0].replace(f"{folder}/", ""),)
             raise

@@ -555,7 +555,7 @@ class Result:
         window = Result(path)
         if window._run() != self._run():
             raise FileError(f"{str(path)!r} is a window of another run than {str(self.path)!r}: "
-                            "remove it, or have 'ra2d run --zoom' with --force replace it")
+                            "remove it, and have 'ra2d run --zoom' make it again")
         return window
 
     def _run(self) -> tuple[Any, ...]:

@@ -22,7 +22,7 @@ import numpy.typing as npt
 import soundfile
 
 from . import files, program
-from .errors import FileError, RequestError, kept_notices, notice
+from .errors import FileError, RequestError, for_python, kept_notices, notice
 from .stretch import seconds
 from .style import quantity
 
@@ -292,7 +292,7 @@ class Sound:
                 f"{self._unit()}>")
 
     def _repr_html_(self) -> str:
-        doubts = "".join(f"<br>{html.escape(doubt)}" for doubt in self.doubts)
+        doubts = "".join(f"<br>{html.escape(for_python(doubt))}" for doubt in self.doubts)
         return (f'<audio controls src="{self.source()}"></audio><br><code>{repr(self)[1:-1]}</code>'
                 f"{doubts}")
 

@@ -363,5 +363,5 @@ def study(source: str | os.PathLike[str] | Mapping[str, Any] | Scene,
             with progress.shown(show) as shown:
                 program.follow(["study", file, "-o", place, *options], shown)
         except SimulationError as failed:
-            notice(str(failed))
+            notice(failed.args[0])
     return Study._of(place)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Wrong requests and damaged files: each is an error of this package, in a plain sentence with the
 cure."""
+import inspect
 import math
 import os
 import pathlib
@@ -112,6 +113,26 @@ def test_options_are_told_in_python(base, small):
     with pytest.raises(ra2d.RequestError, match="In Python: checkpoint=") as fault:
         ra2d.run(base, checkpoint=-1, show=False)
     assert "--help" not in str(fault.value)
+    for wrong, words in ((lambda: small.spectrum(segment=3), "--segment 3.*\nIn Python: segment="),
+                         (lambda: small.listen(0), "--probe 0: .*\nIn Python: probe="),
+                         (lambda: small.listen(start=0, stop=1e-5),
+                          "\nIn Python: start=..., stop=..., slow=")):
+        with pytest.raises(ra2d.RequestError, match=words) as fault:
+            wrong()
+        assert "In Python" not in fault.value.args[0]  # which the program's own commands say
+    with pytest.warns(ra2d.Notice, match="--full-scale .*\nIn Python: full_scale="):
+        small.listen(full_scale=1e6).save(small.path.with_suffix(".wav"))
+
+
+@pytest.mark.parametrize("command, function", [
+    ("run", ra2d.run), ("study", ra2d.study), ("uncertainty", ra2d.uncertainty),
+    ("analyze", ra2d.Result.analysis), ("plot", ra2d.Result.plot), ("sound", ra2d.Result.listen),
+    ("plot", ra2d.Result.with_microphones)])
+def test_every_option_that_is_an_argument_is_named_by_it(command, function):
+    for option in re.findall(r"^ +(?:-\w, +)?--([a-z-]+)", program.call(command, "--help"), re.M):
+        name = {"from": "start", "to": "stop"}.get(option, option.replace("-", "_"))
+        if name in inspect.signature(function).parameters:
+            assert f"In Python: {name}=" in errors.for_python(f"--{option} is wrong")
 
 
 @pytest.mark.parametrize("value", [None, 1j, {1, 2}, object(), "\udcff",

@@ -59,7 +59,7 @@ def test_a_window_of_another_run_is_refused(base, folder):
     assert ra2d.load(folder / "left.h5").zoom().contact.time.size > 1000
     for change in ({"contact.stiffness": 1e14}, {"slider.surface.seed": 77}):
         run(short.change(change), "--force")
-        with pytest.raises(ra2d.FileError, match="window of another run.*--force replace it"):
+        with pytest.raises(ra2d.FileError, match="window of another run.*make it again"):
             ra2d.load(folder / "left.h5").zoom()
     run(short.change(change), "--zoom", "0.005,0.006", "--force")
     ra2d.load(folder / "left.h5").zoom()
