@@ -611,6 +611,9 @@ class Result:
         """
         from .sound import of_microphones, of_probe
 
+        if normalize and full_scale is not None:
+            raise RequestError(f"full_scale is {full_scale!r} and normalize True: both say what "
+                               "the value 1 stands for, give one of them")
         if places := _places(at):
             if probe != 1 or body != "resonator":
                 raise RequestError(

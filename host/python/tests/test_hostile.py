@@ -513,7 +513,8 @@ def test_sounds_and_pictures_that_cannot_be(small):
                            ({"probe": 1.5}, "expected 1 to 1"), ({"probe": "1"}, "expected 1 to 1"),
                            ({"start": "0.001"}, "start is '0.001': expected a time"),
                            ({"start": -1}, "from -1 s: the run begins at 0 s"),
-                           ({"stop": np.nan}, "stop is nan: expected a time")):
+                           ({"stop": np.nan}, "stop is nan: expected a time"),
+                           ({"full_scale": 1, "normalize": True}, "give one of them")):
         with pytest.raises(ra2d.RequestError, match=words):
             small.listen(**options)
     made = small.listen(np.int64(1), rate=np.int64(44100), slow=np.float32(2),
