@@ -436,7 +436,8 @@ def _full_scale(peak: float, wanted: float | None, normalize: bool, unit: str = 
     """The velocity or pressure that the value 1 stands for."""
     if wanted is None:
         return peak if normalize and peak > 0 else round_full_scale(peak)
-    _require("full_scale", wanted, math.ulp(0.0), 1.7e308)
+    if not (isinstance(wanted, int | float | np.number) and 0 < wanted < 1.7e308):
+        raise RequestError(f"full_scale is {wanted!r}: expected a number above 0 ({unit})")
     share, limits = peak / wanted, np.finfo(np.float32)
     if peak > 0 and not limits.tiny <= share <= limits.max:
         raise RequestError(

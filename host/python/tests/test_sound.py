@@ -252,7 +252,7 @@ def test_what_the_rates_leave_out_is_said():
     ({"body": "slider"}, r"output.slider_probes = \[0.01\]"),
     ({"slow": 0.5}, "slow is 0.5"), ({"slow": math.nan}, "slow is nan"),
     ({"rate": 100}, "rate is 100"),
-    ({"full_scale": 0}, "full_scale is 0"),
+    ({"full_scale": -1}, r"full_scale is -1: expected a number above 0 \(m/s\)"),
     ({"full_scale": 1e-300}, "expected a velocity near the peak"),
     ({"full_scale": 1e300}, "expected a velocity near the peak"),
     ({"start": 0.05, "stop": 0.04}, "there is nothing"),
