@@ -385,8 +385,8 @@ def _probe_spectra(figure: Any, result: Result, _: bool) -> None:
     if result.spectrum().sizes["frequency"] <= 2:
         style.say_empty(axes, SHORT_SPECTRUM, title)
         return
-    s = result.spectrum()
-    densities = [*s.density_probe.values, *s.density_slider_probe.values]
+    s = result.analysis()["spectrum"]
+    densities = [np.array(row, dtype=float) for row in (*s["psd_probe"], *s["psd_slider_probe"])]
     names = [label for label, _ in _probe_lines(result, "velocity")]
     lines = list(zip(names, densities))[:MOST_LINES]
     if not lines:

@@ -112,6 +112,13 @@ def _rows(values: list[list[float | None]], rows: int, columns: int) -> npt.NDAr
     return np.array(values, dtype=float).reshape(rows, columns)
 
 
+def _without_absent_probes(found: xr.Dataset) -> xr.Dataset:
+    """Without the dimensions of probes that a scene does not name: a table over them has no
+    row."""
+    return found.drop_dims([name for name, size in found.sizes.items()
+                            if size == 0 and name != "frequency"])
+
+
 def _figure(value: float) -> str:
     return f"{value:.5g}" if math.isfinite(value) else "none"
 
@@ -272,7 +279,7 @@ class Result:
         - `density` [(m/s)^2/Hz]: of the velocity, mean over the resonator
         - `density_probe` (position, frequency), `density_slider_probe` (slider_position,
           frequency): of the probes' velocity; of an areal scene (probe, frequency) and
-          (slider_probe, frequency), as `probes`
+          (slider_probe, frequency), as `probes`; left out where there are no such probes
         - `density_force` [N^2/Hz]: of the total contact force
 
         Of a run with `output.modes = "none"` `density` is NaN, and its attribute `note` says why.
@@ -289,7 +296,7 @@ class Result:
         lines = len(s["frequency"])
         along, places = self._probe_places(found["probes"])
         slider_along, slider_places = self._probe_places(found["slider_probes"], "slider")
-        return xr.Dataset(
+        return _without_absent_probes(xr.Dataset(
             {"density": ("frequency", np.array(s["psd_mean"], dtype=float),
                          {**velocity, "long_name": "density of the resonator's velocity",
                           **self._no_modes()}),
@@ -307,13 +314,13 @@ class Result:
              **places, **slider_places},
             {"resolution": s["resolution"], "segments": s["segments"],
              "low": s["confidence"]["low"],
-             "high": s["confidence"]["high"]})
+             "high": s["confidence"]["high"]}))
 
     def bands(self, **options: Any) -> xr.Dataset:
         """Third octaves over their midband `frequency` [Hz]. Options: those of `analysis`.
 
         - `level` [dB re 1 nm/s]: of the resonator's elastic velocity; `level_probe` (position,
-          frequency): at the probes; with `a_weighting=True` also `level_a`
+          frequency): at the probes, if there are any; with `a_weighting=True` also `level_a`
         - `spread` [dB]: standard deviation by the finite length of the run, for stationary noise
         - `above_last_mode`: True where a band lies above the last mode, and says nothing
 
@@ -335,12 +342,12 @@ class Result:
         if "level_a" in b:
             data["level_a"] = ("frequency", np.array(b["level_a"], dtype=float),
                                {"units": "dB", "long_name": "A-weighted level re 1 nm/s"})
-        return xr.Dataset(
+        return _without_absent_probes(xr.Dataset(
             data,
             {"frequency": ("frequency", b["centre"],
                            {"units": "Hz", "long_name": "midband frequency"}),
              "nominal": ("frequency", b["nominal"]), **places},
-            {"last_mode": b["last_mode"]})
+            {"last_mode": b["last_mode"]}))
 
     def _no_modes(self) -> dict[str, str]:
         """Attributes of what is made of the modes' motion: why it is NaN; nothing where it is

@@ -61,6 +61,13 @@ def test_spectrum_and_bands_are_those_of_analyze(result):
                           messages["bands"]["level"]) and (bands.level_a < bands.level).any()
 
 
+def test_spectrum_and_bands_are_tables_without_probes_too(base, folder):
+    none = ra2d.run(base, {"output.probes": []}, duration=0.02, output=folder / "no-probe.h5",
+                    show=False)
+    for found in (none.spectrum(), none.bands()):
+        assert len(found.to_dataframe()) == found.sizes["frequency"] > 0
+
+
 @pytest.mark.parametrize("what", ["displacement", "velocity"])
 def test_field_passes_through_the_probes(result, what):
     """At a place of the shapes to rounding; between two of them to the error of a straight line,
