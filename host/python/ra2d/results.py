@@ -137,6 +137,20 @@ def _places(at: npt.ArrayLike) -> tuple[str, ...]:
     return tuple(word for place in places.tolist() for word in ("--at", ",".join(map(repr, place))))
 
 
+def _air_options(temperature: float | None, pressure: float | None) -> tuple[str, ...]:
+    """The program's options for the air. What it would refuse later is refused here, in its
+    words."""
+    for name, value, low, high in (("temperature", temperature, -50, 100),
+                                   ("pressure", pressure, 10_000, 1_000_000)):
+        try:
+            is_right = value is None or low <= float(value) <= high
+        except (TypeError, ValueError):
+            is_right = False
+        if not is_right:
+            raise RequestError(f"--{name}: '{value}': expected from {low} to {high}")
+    return tuple(program.options({"--temperature": temperature, "--pressure": pressure}))
+
+
 class Result:
     """A result of `ra2d run`: one HDF5 file. Opening reads nothing but its header; each property
     reads what it shows. A file that has been replaced since then is an error.
@@ -231,8 +245,7 @@ class Result:
         if not places:
             raise RequestError("at: expected one microphone or more, each (x, y, z) in m")
         hearing = copy.copy(self)
-        hearing._hears = places + tuple(program.options({"--temperature": temperature,
-                                                              "--pressure": pressure}))
+        hearing._hears = places + _air_options(temperature, pressure)
         return hearing
 
     def _air(self) -> tuple[str, ...]:

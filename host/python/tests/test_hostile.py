@@ -526,6 +526,17 @@ def test_sounds_and_pictures_that_cannot_be(small):
     assert ra2d.plot(small, "bands").axes
 
 
+@pytest.mark.parametrize("name, value", [("temperature", 2000), ("temperature", -51),
+                                         ("temperature", "warm"), ("pressure", 9999.0),
+                                         ("pressure", 1.1e6)])
+def test_air_that_the_program_would_refuse_is_refused_at_once(small, name, value):
+    with pytest.raises(ra2d.RequestError) as said:
+        program.call("analyze", small.path, "--at", "0,0,1", f"--{name}", value)
+    with pytest.raises(ra2d.RequestError, match=re.escape(str(said.value))):
+        small.with_microphones([(0, 0, 1)], **{name: value})
+    assert small.with_microphones([(0, 0, 1)], temperature=-50, pressure=1e6).analysis()
+
+
 def test_heights_that_are_none():
     for heights, spacing, words in ((["a", "b"], 1e-6, "row of heights"),
                                     ([0, 1j], 1e-6, "row of heights"),
