@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
@@ -420,10 +420,13 @@ def microphone_words(microphone: dict[str, Any]) -> str:
 
 
 def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], tuple[Any, Any]],
-                    size: float = 4) -> None:
-    """A line for each microphone over what shows the velocity, on an axis of its own."""
-    heard = heard_by(result)
+                    size: float = 4, bars: Mapping[str, Any] | None = None) -> None:
+    """A line for each microphone over what shows the velocity, on an axis of its own. `bars`, by
+    their names: they stand in one legend with the lines, so that no legend covers another."""
+    heard, bars = heard_by(result), bars or {}
     if not heard:
+        if bars:
+            axes.legend(bars.values(), bars.keys(), loc="upper right")
         return
     right_axes = axes.twinx()
     for i, microphone in enumerate(heard):
@@ -433,10 +436,11 @@ def _draw_pressures(axes: Any, result: Result, line: Callable[[dict[str, Any]], 
     right_axes.grid(False)
     right_axes.set_ylabel("sound pressure [dB re 20 \u00b5Pa]")
     for one in (axes, right_axes):  # above all lines for this legend, below for the other one
-        style.room_above(one, 0.14 + 0.08 * len(heard))
+        style.room_above(one, 0.14 + 0.08 * (len(heard) + len(bars)))
     low, high = right_axes.get_ylim()
     right_axes.set_ylim(low - 0.12 * (high - low), high)
-    right_axes.legend(loc="upper left")
+    lines, names = right_axes.get_legend_handles_labels()
+    right_axes.legend([*lines, *bars.values()], [*names, *bars], loc="upper left")
 
 
 def _band_line(microphone: dict[str, Any], names: list[str]) -> tuple[Any, Any]:
@@ -476,14 +480,13 @@ def _bands(figure: Any, result: Result, alone: bool) -> None:
     above = [bar for bar, is_above in zip(bars, bands.above_last_mode.values) if is_above]
     for bar in above:
         bar.set(facecolor="white", hatch="////")
-    if above:
-        axes.legend(above[:1], ["above the last mode that was kept, at "
-                                f"{quantity(bands.last_mode, 'Hz')}: no information"],
-                    loc="upper right")
     band_axis(axes, bands.nominal.values.tolist())
     axes.set_ylim(bottom, finite.max() + (6 if alone else 14))
     names = bands.nominal.values.tolist()
-    _draw_pressures(axes, result, lambda microphone: _band_line(microphone, names))
+    _draw_pressures(axes, result, lambda microphone: _band_line(microphone, names),
+                    bars={"above the last mode that was kept, at "
+                          f"{quantity(bands.last_mode, 'Hz')}: no information": bar
+                          for bar in above[:1]})
     axes.set_ylabel(f"level [{DECIBEL}]")
     axes.set_title(f"{title}; in all {result.level:.1f} dB"
                    + ("; bars: by the finite length alone" if alone else ""))

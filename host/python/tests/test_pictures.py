@@ -175,6 +175,15 @@ def test_legends_of_microphones_cover_no_line(result, what):
             assert not box.overlaps(bar.get_window_extent())
 
 
+def test_hatched_bars_stand_in_one_legend_with_the_microphones(result):
+    """In a narrow panel one legend would cover the other."""
+    for heard, names in ((result, ["above"]),
+                         (result.with_microphones([(0.15, 0.1, 0.5)]), ["pressure", "above"])):
+        legends = [axes.get_legend() for axes in heard.plot("bands").axes if axes.get_legend()]
+        assert [[text.get_text().split()[0] for text in legend.get_texts()]
+                for legend in legends] == [names]
+
+
 def test_the_level_of_the_run_has_no_colour_of_a_microphone(result):
     figure = result.with_microphones([(0.15, 0.1, 0.5)]).plot("level")
     own, heard = [{line.get_color() for line in axes.get_lines()} for axes in figure.axes]
