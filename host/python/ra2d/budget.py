@@ -374,7 +374,9 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     >>> budget.level.low < budget.level < budget.level.high
     True
     """
-    if isinstance(seeds, bool) or not isinstance(seeds, int | np.integer) or seeds < 2:
+    if isinstance(seeds, bool) or not isinstance(seeds, int | np.integer):
+        raise RequestError(f"seeds = {seeds!r}: expected a whole number, 2 or more")
+    if seeds < 2:
         raise RequestError(
             f"seeds = {seeds!r}: chance is seen in the difference of two runs or more (five are "
             "good)")

@@ -283,8 +283,9 @@ def test_realisations_of_one_value_are_no_certainty(budget):
 
 
 def test_wrong_requests(base, folder):
-    for seeds in (1, 2.5, "3", None):
-        with pytest.raises(ra2d.RequestError, match="seeds = "):
+    whole = "expected a whole number"
+    for seeds, words in ((1, "two runs or more"), (2.5, whole), ("3", whole), (None, whole)):
+        with pytest.raises(ra2d.RequestError, match=f"seeds = .*: .*{words}"):
             ra2d.uncertainty(base, seeds=seeds)
     smooth = base.change({"resonator.surface": {"kind": "flat"},
                           "slider.surface": {"kind": "flat"}}, duration=0.01)
