@@ -391,14 +391,13 @@ class Result:
         >>> getfixture("result").shocks.columns.tolist()
         ['start', 'duration', 'peak_force', 'impulse', 'position']
         """
-        with self._file.opened() as file:
-            group = file["shocks"]
-            names = [*_SHOCKS, *(["y"] if self.is_areal else [])]
-            table = pd.DataFrame({name: group[name][()] for name in names},
-                                 index=pd.Index(group["shock" if "shock" in group
-                                                      else "serial"][()].astype(np.int64),
-                                                name="shock"))
-            table.attrs["units"] = {name: group[name].attrs["units"] for name in names}
+        names = [*_SHOCKS, *(["y"] if self.is_areal else [])]
+        dims = {name: ("shock",) for name in (*names, "shock", "serial")}
+        found = self._file.read("shocks", dims, names, ("shock",)).load()
+        number = found["serial" if "serial" in found else "shock"]  # from 0 where there is neither
+        table = pd.DataFrame({name: found[name].values for name in names},
+                             index=pd.Index(number.values.astype(np.int64), name="shock"))
+        table.attrs["units"] = {name: found[name].attrs.get("units", "") for name in names}
         return table
 
     def check(self) -> None:
@@ -545,8 +544,10 @@ class Result:
         >>> len(getfixture("result").height_hash("slider"))
         32
         """
+        path = f"surface/{_one_of('body', body, BODIES)}/height"
         with self._file.opened() as file:
-            return str(file[f"surface/{_one_of('body', body, BODIES)}/height"].attrs["xxh3_128"])
+            height = stored.required(file, path, 2 if self.is_areal else 1)
+            return str(height.attrs["xxh3_128"])
 
     # ---- what it was
     # --------------------------------------------------------------------------------
@@ -670,8 +671,7 @@ class Result:
         >>> getfixture("result").samples
         100001
         """
-        with self._file.opened() as file:
-            return int(file["time"].shape[0])
+        return self._ends()[0]
 
     @property
     def rate(self) -> float:
@@ -680,11 +680,10 @@ class Result:
         >>> getfixture("result").rate
         100000.0
         """
-        with self._file.opened() as file:
-            time = file["time"]
-            if time.shape[0] < 2:
-                return math.nan
-            rate: float = (time.shape[0] - 1) / float(time[-1] - time[0])
+        samples, first, last = self._ends()
+        if samples < 2:
+            return math.nan
+        rate = (samples - 1) / (last - first)
         whole = float(round(rate))
         return whole if abs(rate - whole) < 1e-9 * rate else rate  # roundings of the last time
 
@@ -704,8 +703,19 @@ class Result:
         >>> getfixture("result").duration
         1.0
         """
+        return self._ends()[2]
+
+    def _ends(self) -> tuple[int, float, float]:
+        """How many samples there are, the time of the first and that of the last [s]."""
         with self._file.opened() as file:
-            return float(file["time"][-1]) if file["time"].shape[0] else 0.0
+            time = stored.required(file, "time", 1)
+            if not time.size:
+                return 0, 0.0, 0.0
+            first, last = float(time[0]), float(time[-1])
+            if not (0 <= first <= last < stored.LARGEST
+                    and (time.size == 1 or last - first > time.size / stored.LARGEST)):
+                raise ValueError("/time does not rise")
+            return time.size, first, last
 
     def __repr__(self) -> str:
         cut = "" if self.complete else f", cut short: {self.attrs.get('ended')}"

@@ -28,6 +28,36 @@ LARGEST = 1e100  # in any unit: no run comes to it, and squares of larger number
 _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 
 
+def dataset(file: Any, path: str, axes: int | None = None) -> Any:
+    """A dataset of an open file, or None where there is none. Every reading begins here. Raises
+    ValueError where its numbers do not all stand in this file, and, with `axes`, where it has not
+    so many, or no numbers."""
+    found, path = file, "/" + path.strip("/")
+    for name in path[1:].encode().split(b"/"):
+        if not isinstance(found, h5py.Group) or not found.id.links.exists(name):
+            return None
+        # before it is followed: h5py waits without end for a file that a sealed one names
+        if found.id.links.get_info(name).type != h5py.h5l.TYPE_HARD:
+            raise ValueError(f"{path} is a link to something else, as ra2d writes none")
+        found = found[name]
+    if not isinstance(found, h5py.Dataset):
+        raise ValueError(f"{path} is no dataset")
+    if found.external or found.is_virtual:  # which no seal covers
+        raise ValueError(f"{path} is kept in other files")
+    if axes is not None and found.dtype.kind not in "fiu":
+        raise ValueError(f"{path} has no numbers")
+    if axes is not None and (found.shape is None or len(found.shape) != axes):
+        raise ValueError(f"{path} is of the shape {found.shape}, not of {axes} axes")
+    return found
+
+
+def required(file: Any, path: str, axes: int) -> Any:
+    """As `dataset`; ValueError where there is none."""
+    if (found := dataset(file, path, axes)) is None:
+        raise ValueError(f"/{path.strip('/')} is missing")
+    return found
+
+
 class _Dataset(BackendArray):
     """A dataset of a file, which is opened at each reading: nothing stays open, and parts alone are
     read."""
@@ -43,7 +73,7 @@ class _Dataset(BackendArray):
 
     def _read(self, key: tuple[Any, ...]) -> Any:
         with self.file.opened() as file:
-            stored = file[self.name]
+            stored = dataset(file, self.name)
             values = (stored.asstr() if h5py.check_string_dtype(stored.dtype) else stored)[key]
             if stored.dtype.kind == "f" and not self.gaps and not (np.abs(values) < LARGEST).all():
                 raise ValueError(f"{self.name} has values that are no numbers, or too large for "
@@ -51,8 +81,11 @@ class _Dataset(BackendArray):
             return values
 
 
-def _units(dataset: Any) -> dict[str, str]:
-    return {name: dataset.attrs[name] for name in ("units", "long_name") if name in dataset.attrs}
+def _units(stored: Any) -> dict[str, str]:
+    found = {name: stored.attrs[name] for name in ("units", "long_name") if name in stored.attrs}
+    if not all(isinstance(text, str) for text in found.values()):
+        raise ValueError(f"{stored.name} has a unit or a name that is no text")
+    return found
 
 
 class File:
@@ -118,22 +151,18 @@ class File:
         out. Datasets with the name of a dimension are its coordinates. Raises FileError where one
         of `numbers` is missing, or has no numbers, where coordinates of the names `rising` do not
         rise, and, unless there are `gaps`, where a value is read that no run comes to."""
-        variables = {}
+        variables, needed = {}, set(numbers)
         with self.opened() as file:
-            for name in numbers:
-                if file[group][name].dtype.kind not in "fiu":  # KeyError where there is none
-                    raise TypeError(f"{group}/{name} has no numbers")
             for name, of in dims.items():
-                if name in file[group]:
-                    stored = file[group][name]
-                    if stored.external or stored.is_virtual:  # which no seal covers
-                        raise ValueError(f"{group}/{name} is kept in other files")
-                    values = _copied_when_set(_lazy(_Dataset(self, f"{group}/{name}", stored,
-                                                             gaps)))
+                path = f"{group}/{name}"
+                stored = required(file, path, len(of)) if name in needed else dataset(file, path)
+                if stored is not None:
+                    values = _copied_when_set(_lazy(_Dataset(self, path, stored, gaps)))
                     variables[name] = _variable(of, values, _units(stored))
             coordinates = {name: of for name, of in variables.items() if (name,) == of.dims}
             for name in coordinates.keys() & set(rising):
-                if not (np.diff(coordinates[name].values) > 0).all():
+                values = coordinates[name].values
+                if values.dtype.kind not in "fiu" or not (np.diff(values) > 0).all():
                     raise ValueError(f"{group}/{name} does not rise")
             return xr.Dataset({name: of for name, of in variables.items()
                                if name not in coordinates}, coordinates)
@@ -142,9 +171,9 @@ class File:
         """Single numbers of a group. Those that do not exist are left out. By name: libhdf5 1.10
         ends the interpreter where it cannot read one while it goes through a group."""
         with self.opened() as file:
-            found = file[group]
-            return xr.Dataset({name: _variable((), found[name][()], _units(found[name]))
-                               for name in names if name in found})
+            found = {name: dataset(file, f"{group}/{name}", 0) for name in names}
+            return xr.Dataset({name: _variable((), of[()], _units(of))
+                               for name, of in found.items() if of is not None})
 
     def attributes(self) -> dict[str, Any]:
         """The attributes of the file: texts, and numbers."""

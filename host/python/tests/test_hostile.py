@@ -339,6 +339,72 @@ def test_a_link_to_another_file_is_not_followed(forged, small):
             use(forged(link))
 
 
+def linked(name, make):
+    def replace(file):
+        del file[name]
+        file[name] = make(name)
+    return replace
+
+
+def virtual(name, source):
+    """Its numbers are those of another file, over which h5py waited without end."""
+    def replace(file):
+        shape = file[name].shape
+        units = file[name].attrs["units"]
+        del file[name]
+        layout = h5py.VirtualLayout(shape=shape, dtype="f8")
+        layout[...] = h5py.VirtualSource(str(source), name, shape=shape)
+        file.create_virtual_dataset(name, layout)
+        file[name].attrs["units"] = units
+    return replace
+
+
+READ = """
+import sys
+import ra2d
+result = ra2d.load(sys.argv[1])
+for read in (lambda: result.shocks, lambda: result.summary, lambda: result.duration,
+             lambda: result.height_hash(), lambda: result.contact.load()):
+    try:
+        read()
+    except ra2d.FileError as fault:
+        print(fault)
+"""
+
+
+def test_every_number_is_one_of_the_file_s_own(forged, small):
+    """In a process of its own, which can be ended."""
+    places = ("shocks/impulse", "summary/energy_closure", "time", "surface/resonator/height",
+              "contact/force")
+    for damages, words in (
+            ([virtual(name, small.path) for name in places], "is kept in other files"),
+            ([elsewhere(name) for name in places if "summary" not in name],
+             "is kept in other files"),
+            ([linked(name, lambda name: h5py.ExternalLink(str(small.path), name))
+              for name in places], "is a link to something else"),
+            ([linked(name, lambda name: h5py.SoftLink("/" + name)) for name in places],
+             "is a link to something else")):
+        path = forged(lambda file: [damage(file) for damage in damages]).path
+        said = subprocess.run([sys.executable, "-c", READ, str(path)], capture_output=True,
+                              text=True, check=True, timeout=60).stdout.splitlines()
+        assert len(said) == len(damages), said
+        assert all(words in line and "'ra2d check' says" in line for line in said), said
+
+
+def last_time(value):
+    return lambda file: file["time"].__setitem__(-1, value)
+
+
+@pytest.mark.parametrize("damage", [filled("time", 0.0), without("time"), last_time(math.nan),
+                                    last_time(math.inf), last_time(1e-320)])
+def test_ends_of_a_run_that_are_none(forged, damage):
+    result = forged(damage)
+    for read in (lambda: result.rate, lambda: result.duration, lambda: result.samples):
+        with pytest.raises(ra2d.FileError, match="/time (does not rise|is missing). 'ra2d check'"):
+            read()
+    assert "is damaged" in repr(result)
+
+
 def test_a_table_whose_numbers_stand_in_another_file(study, tmp_path):
     table = tmp_path / "results.h5"
     table.write_bytes(seal.without_seal((study.folder / "results.h5").read_bytes()))
