@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import pathlib
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -23,6 +24,7 @@ _variable: Any = xr.Variable
 
 
 LARGEST = 1e100  # in any unit: no run comes to it, and squares of larger numbers may overflow
+MOST_DEFLATED = 1032  # bytes from one: no more can be had of deflate
 
 # what h5py and xarray raise on a damaged file
 _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
@@ -30,8 +32,8 @@ _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeErro
 
 def dataset(file: Any, path: str, axes: int | None = None) -> Any:
     """A dataset of an open file, or None where there is none. Every reading begins here. Raises
-    ValueError where its numbers do not all stand in this file, and, with `axes`, where it has not
-    so many, or no numbers."""
+    ValueError where its numbers do not all stand in this file, where there are more than fit into
+    it, and, with `axes`, where it has not so many, or no numbers."""
     found, path = file, "/" + path.strip("/")
     for name in path[1:].encode().split(b"/"):
         if not isinstance(found, h5py.Group) or not found.id.links.exists(name):
@@ -44,9 +46,16 @@ def dataset(file: Any, path: str, axes: int | None = None) -> Any:
         raise ValueError(f"{path} is no dataset")
     if found.external or found.is_virtual:  # which no seal covers
         raise ValueError(f"{path} is kept in other files")
+    if found.shape is None:
+        raise ValueError(f"{path} is empty")
+    # a few bytes of a file can say that there are any number of them
+    is_packed = found.id.get_create_plist().get_nfilters() > 0
+    room = MOST_DEFLATED * found.id.get_storage_size() if is_packed else file.id.get_filesize()
+    if math.prod(found.shape) * found.id.get_type().get_size() > room:
+        raise ValueError(f"{path} should hold more numbers than the file has room for")
     if axes is not None and found.dtype.kind not in "fiu":
         raise ValueError(f"{path} has no numbers")
-    if axes is not None and (found.shape is None or len(found.shape) != axes):
+    if axes is not None and len(found.shape) != axes:
         raise ValueError(f"{path} is of the shape {found.shape}, not of {axes} axes")
     return found
 

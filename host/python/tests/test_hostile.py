@@ -21,7 +21,7 @@ import pytest
 import seal  # tests/host (conftest.py)
 
 import ra2d
-from ra2d import charts, errors, files, program, toml
+from ra2d import charts, errors, files, program, studies, toml
 
 BENCH = pathlib.Path(__file__).resolve().parents[3] / "bench"
 
@@ -389,6 +389,54 @@ def test_every_number_is_one_of_the_file_s_own(forged, small):
                               text=True, check=True, timeout=60).stdout.splitlines()
         assert len(said) == len(damages), said
         assert all(words in line and "'ra2d check' says" in line for line in said), said
+
+
+def reshaped(name, *shape, **options):
+    """Chunks of which none is written."""
+    def replace(file):
+        of, units = file[name].dtype, file[name].attrs["units"]
+        del file[name]
+        file.create_dataset(name, shape, of, chunks=(min(shape[0], 1024),), **options)
+        file[name].attrs["units"] = units
+    return replace
+
+
+@pytest.mark.parametrize("name, read", [
+    ("summary/nodes_evaluated", lambda result: result.summary),
+    ("summary/lv", lambda result: result._repr_html_() and result.summary),
+    ("shocks/duration", lambda result: result.shocks),
+    ("shocks/shock", lambda result: result.shocks), ("time", lambda result: result.energy),
+    ("time", lambda result: result.duration), ("contact/force", lambda result: result.contact),
+    ("resonator/position", lambda result: result.field(0.001)),
+    ("probes/velocity", lambda result: result.listen()),
+    ("surface/slider/height", lambda result: result.profile("slider"))])
+def test_numbers_that_the_file_has_no_room_for(forged, name, read):
+    """They ended with Python's MemoryError, or filled the memory."""
+    for shape, options in (((2**40,), {}), ((10**9,), {"compression": "gzip"})):
+        result = forged(reshaped(name, *shape, **options))
+        with pytest.raises(ra2d.FileError,
+                           match=f"/{name} should hold more numbers than the file has room for"):
+            read(result)
+
+
+def test_figures_and_columns_of_another_shape(forged):
+    with pytest.raises(ra2d.FileError, match=r"/summary/lv is of the shape \(3,\), not of 0 axes"):
+        forged(reshaped("summary/lv", 3)).summary
+    result = forged(reshaped("shocks/duration", 3))
+    with pytest.raises(ra2d.FileError, match="'shock'"):
+        result.shocks
+
+
+def test_a_table_of_a_study_of_another_shape(study, tmp_path):
+    table = tmp_path / "results.h5"
+    for shape, words in (((2**40,), "/v_rms should hold more numbers than the file has room for"),
+                         ((3,), "'ra2d check' says")):
+        table.write_bytes(seal.without_seal((study.folder / "results.h5").read_bytes()))
+        with h5py.File(table, "r+") as file:
+            reshaped("v_rms", *shape)(file)
+        table.write_bytes(table.read_bytes() + seal.seal_of(table.read_bytes()))
+        with pytest.raises(ra2d.FileError, match=words):
+            studies._table(table)
 
 
 def last_time(value):
