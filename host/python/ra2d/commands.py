@@ -139,7 +139,10 @@ def _write(path: pathlib.Path, data: bytes) -> None:
 def _say(message: object) -> None:
     """A message of the program. Control characters stay out of terminals."""
     text = "".join(c if c.isprintable() or c == "\n" else "?" for c in str(message))
-    print(f"ra2d: {text}", file=sys.stderr)
+    try:
+        print(f"ra2d: {text}", file=sys.stderr)
+    except OSError:  # as on a full disk: what was asked for is made all the same
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # or Python's end is a failure
 
 
 def _status(fault: Error) -> int:

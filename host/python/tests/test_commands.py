@@ -84,6 +84,18 @@ def test_sound_of_a_run(place):
     assert made == ["out-at-0,0,0.1-at-0.3,0,-0.2.wav", "out-at-0.15,0.1,0.5.wav"]
 
 
+def test_a_sound_is_made_where_nobody_can_be_told_of_doubts(place):
+    """As other commands do; it ended with 4, and with no file."""
+    said = ra2d(place, "sound", "out.h5", "--bits", "16", "--full-scale", "1e3", "-o", "full.wav",
+                shell='exec "$0" "$@" 2>/dev/full')
+    assert said.returncode == 0 and "full.wav.json" in said.stdout
+    assert names(place) == ["full.wav", "full.wav.json", "out.h5"]
+    # a message that is lost is no other exit status
+    said = ra2d(place, "sound", "out.h5", "--rate", "65537", "-o", "x.flac",
+                shell='exec "$0" "$@" 2>/dev/full')
+    assert said.returncode == 2
+
+
 def test_a_sound_that_cannot_be_written_leaves_nothing(place):
     for name in ("noise.wav", "noise.flac"):
         said = ra2d(place, "sound", "out.h5", "-o", name, "--slow", "100",
