@@ -21,6 +21,7 @@ from . import (budget, charts, compare_plot, comparison, page, plots, profile_pl
                study_plot, toml)
 from .__main__ import library_missing
 from .errors import BY_STATUS, Error, FileError, Notice, RequestError
+from .page_words import printable
 from .results import Result, load
 from .scenes import Scene
 from .studies import load_study
@@ -157,7 +158,7 @@ def main(requests: TextIO) -> int:
     warnings.showwarning = lambda message, *rest: _say(
         message.args[0] if isinstance(message, Notice) else message)
     request = json.load(requests)
-    made = _path(request["made"]) if "made" in request else "the answer"
+    made = printable(str(_path(request["made"]))) if "made" in request else "the answer"
     warnings.simplefilter("ignore" if request.get("quiet") else "always", UserWarning)
     # a name in letters that the font has not
     warnings.filterwarnings("ignore", message="Glyph .* missing")

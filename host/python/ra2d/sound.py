@@ -23,6 +23,7 @@ import soundfile
 
 from . import files, program
 from .errors import FileError, RequestError, for_python, kept_notices, notice
+from .page_words import printable
 from .stretch import seconds
 from .style import quantity
 
@@ -264,7 +265,7 @@ class Sound:
         >>> print(getfixture("result").listen(stop=0.1).describe("cube.wav").splitlines()[0])
         velocity of probe 1 at 0.15 m, from 0 s to 0.1 s
         """
-        a = self.about
+        a, name = self.about, printable(name)
         lines = [("length",
                   f"{quantity(len(self.samples) / self.rate, 's')}, {len(self.samples)} samples at "
                             f"{self.rate} Hz"),

@@ -96,6 +96,12 @@ def test_a_sound_is_made_where_nobody_can_be_told_of_doubts(place):
     assert said.returncode == 2
 
 
+def test_names_of_sounds_are_printed_in_one_line(place):
+    said = ra2d(place, "sound", "out.h5", "-o", "a\nb.wav")
+    assert said.returncode == 0 and r"a\u000Ab.wav.json" in said.stdout
+    assert len(said.stdout.splitlines()) == 7
+
+
 def test_a_sound_that_cannot_be_written_leaves_nothing(place):
     for name in ("noise.wav", "noise.flac"):
         said = ra2d(place, "sound", "out.h5", "-o", name, "--slow", "100",
@@ -233,6 +239,13 @@ def test_a_full_disk_and_a_fault_of_ours_say_a_cure(monkeypatch, capsys):
         said = capsys.readouterr().err
         assert words in said
     assert "if none is, this is a fault of ra2d: please report it" in said
+
+
+def test_names_of_files_that_were_not_made_are_printed_in_one_line(capsys, monkeypatch):
+    monkeypatch.setitem(commands.COMMANDS, "compare", lambda request: [][0])
+    with warnings.catch_warnings():
+        assert commands.main(io.StringIO('{"command": "compare", "made": "a\\nb.wav"}')) == 4
+    assert capsys.readouterr().err.startswith(r"ra2d: a\u000Ab.wav was not made: ")
 
 
 def test_without_python(place):
