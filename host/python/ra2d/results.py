@@ -468,7 +468,9 @@ class Result:
         """
         names = ("kinetic", "elastic", "contact", "damping_loss", "sliding_work", "load_work")
         series = self._file.read("energy", {name: ("time",) for name in names}, names)
-        return series.assign_coords(self._file.read("/", _SAMPLED, _SAMPLED, _RISING).coords)
+        time = self._file.read("/", _SAMPLED, _SAMPLED, _RISING)
+        with self._file.opened():  # where the time has another length, the file is damaged
+            return series.assign_coords(time.coords)
 
     def modes(self, body: Body = "resonator") -> xr.Dataset:
         """The modes of a body: `frequency` [Hz], `shape` (mode, position) [m^-1/2], and over

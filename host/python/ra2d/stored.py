@@ -163,7 +163,7 @@ class File:
         variables, needed = {}, set(numbers)
         with self.opened() as file:
             for name, of in dims.items():
-                path = f"{group}/{name}"
+                path = f"{group.rstrip('/')}/{name}"
                 stored = required(file, path, len(of)) if name in needed else dataset(file, path)
                 if stored is not None:
                     values = _copied_when_set(_lazy(_Dataset(self, path, stored, gaps)))
@@ -172,7 +172,7 @@ class File:
             for name in coordinates.keys() & set(rising):
                 values = coordinates[name].values
                 if values.dtype.kind not in "fiu" or not (np.diff(values) > 0).all():
-                    raise ValueError(f"{group}/{name} does not rise")
+                    raise ValueError(f"{group.rstrip('/')}/{name} does not rise")
             return xr.Dataset({name: of for name, of in variables.items()
                                if name not in coordinates}, coordinates)
 

@@ -427,6 +427,15 @@ def test_figures_and_columns_of_another_shape(forged):
         result.shocks
 
 
+def test_energies_over_a_time_of_another_length(forged):
+    def shorten(file):
+        del file["time"]
+        file["time"] = [0.0, 0.1, 0.2]
+
+    with pytest.raises(ra2d.FileError, match="'time'(?s:.*)'ra2d check' says"):
+        forged(shorten).energy
+
+
 def test_a_table_of_a_study_of_another_shape(study, tmp_path):
     table = tmp_path / "results.h5"
     for shape, words in (((2**40,), "/v_rms should hold more numbers than the file has room for"),
