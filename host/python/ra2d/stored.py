@@ -32,8 +32,9 @@ _DAMAGE = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeErro
 
 def dataset(file: Any, path: str, axes: int | None = None) -> Any:
     """A dataset of an open file, or None where there is none. Every reading begins here. Raises
-    ValueError where its numbers do not all stand in this file, where there are more than fit into
-    it, and, with `axes`, where it has not so many, or no numbers."""
+    ValueError where it holds neither numbers nor texts, where they do not all stand in this file,
+    where there are more than fit into it, and, with `axes`, where it has not so many, or no
+    numbers."""
     found, path = file, "/" + path.strip("/")
     for name in path[1:].encode().split(b"/"):
         if not isinstance(found, h5py.Group) or not found.id.links.exists(name):
@@ -53,6 +54,8 @@ def dataset(file: Any, path: str, axes: int | None = None) -> Any:
     room = MOST_DEFLATED * found.id.get_storage_size() if is_packed else file.id.get_filesize()
     if math.prod(found.shape) * found.id.get_type().get_size() > room:
         raise ValueError(f"{path} should hold more numbers than the file has room for")
+    if found.dtype.kind not in "fiu" and not h5py.check_string_dtype(found.dtype):
+        raise ValueError(f"{path} has neither numbers nor texts")
     if axes is not None and found.dtype.kind not in "fiu":
         raise ValueError(f"{path} has no numbers")
     if axes is not None and len(found.shape) != axes:

@@ -448,6 +448,18 @@ def test_a_table_of_a_study_of_another_shape(study, tmp_path):
             studies._table(table)
 
 
+def test_a_table_of_a_study_with_lists(study, tmp_path):
+    """Of another length each: its text ended with an error of xarray."""
+    table = tmp_path / "results.h5"
+    shutil.copy(study.folder / "results.h5", table)
+    with h5py.File(table, "r+") as file:
+        shape = file["speed"].shape
+        del file["speed"]
+        file.create_dataset("speed", shape, h5py.vlen_dtype("f8"))
+    with pytest.raises(ra2d.FileError, match="/speed has neither numbers nor texts"):
+        studies._table(table)
+
+
 def last_time(value):
     return lambda file: file["time"].__setitem__(-1, value)
 
