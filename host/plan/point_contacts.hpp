@@ -38,10 +38,9 @@ struct PointContacts {
   double shock_error = 0;  // of rates of shocks and of their durations, relative (shock_error_of)
 };
 
-/// By how much rates of shocks and their median durations are off, about and at the most, where a
-/// contact is so many nodes, or rows between smooth faces, wide. Fitted to runs of
-/// scenes/areal.toml with springs of 1e15 to 1e17 Pa/m (docs/accuracy.md, On maps); at 1e15 Pa/m it
-/// overstates.
+/// About how far rates of shocks and their median durations are off, relative, where a contact is
+/// so many nodes, or rows between smooth faces, wide. Fitted to runs of scenes/areal.toml
+/// (docs/accuracy.md, On maps).
 double shock_error_of(double nodes, Faces faces);
 
 /// How many nodes, or rows, wide a contact must be for such an error.
