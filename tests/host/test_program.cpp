@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 using ra2d::test::Child;
 using ra2d::test::Folder;
 using ra2d::test::scene_file;
+using ra2d::test::wait_until;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
@@ -61,7 +62,7 @@ class Program : public testing::Test {
   void wait_until_it_marches(const Child& run) const {
     constexpr double ready = 0.3;  // s
     double opened = HUGE_VAL;
-    const bool begun = test::wait_until([&] {
+    const bool begun = wait_until([&] {
       for (const auto& entry : fs::directory_iterator(folder_))
         if (entry.path().string().find(".h5.partial") != std::string::npos)
           opened = std::min(opened, run.processor_seconds());
@@ -741,7 +742,7 @@ TEST_F(Program, ASignalEndsTheRunCleanlyWithWhatThereIs) {
     wait_until_it_marches(child);
     if (ra2d::backend_device().empty()) {  // a GPU's driver has some of its own
       // the thread that writes the file's beginning ends by itself
-      EXPECT_TRUE(test::wait_until([&] { return child.threads() == 1; }))
+      EXPECT_TRUE(wait_until([&] { return child.threads() == 1; }))
           << "there may be no more to be had (ulimit -u)";
     }
     child.send(signal);
