@@ -318,7 +318,8 @@ TEST_F(Reader, RefusesTextsThatDoNotFitTheirHeap) {
   ASSERT_LT(whole.find(scene_, heap), end);  // the reader needs it
   for (const std::uint64_t size : {std::uint64_t{8}, whole.size() - heap + 1, ~std::uint64_t{0}})
     forge(heap + 8, size);
-  for (std::size_t object = heap + 16; object < end;) {
+  // what is left at the end may be shorter than the 16 bytes that an object begins with
+  for (std::size_t object = heap + 16; object + 16 <= end;) {
     const std::uint64_t size = number(object + 8);
     for (const std::uint64_t forged :
          {end - object - 15, std::uint64_t{1} << 40, ~std::uint64_t{0} - 16, ~std::uint64_t{0}})
