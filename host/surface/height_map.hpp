@@ -18,7 +18,7 @@ struct HeightMap {
   std::size_t nx = 0, ny = 0;         // points of a row, and rows
   double spacing = 0, spacing_y = 0;  // m, from point to point and from row to row
   std::vector<double> heights;        // m, NaN where a point is missing
-  std::string doubt;                  // a sentence where something looks wrong in the file
+  std::string doubt{};                // a sentence where something looks wrong in the file
 
   double at(std::size_t i, std::size_t j) const { return heights[j * nx + i]; }
   std::size_t missing() const;
