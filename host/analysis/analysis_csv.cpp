@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
@@ -13,14 +14,12 @@
 namespace ra2d {
 namespace {
 
-/// A column for each probe, named by its number from 1 and its place.
-void name_probes(const Analysis& a, const char* quantity, const char* unit, std::string& text,
-                 const char* last = "") {
-  for (std::size_t p = 0; p < a.probe_position.size(); ++p)
-    text += fmt::format(",{}_probe{}_at_{:g}{}_m{}", quantity, p + 1, a.probe_position[p],
-                        a.probe_y.empty() ? "" : fmt::format("_{:g}", a.probe_y[p]), unit);
-  text += last;
-  text += '\n';
+/// A column for each place, named by its number from 1 and where it is. `y`: of an areal scene.
+void name_places(const char* quantity, const std::vector<double>& x, const std::vector<double>& y,
+                 const char* unit, std::string& text) {
+  for (std::size_t p = 0; p < x.size(); ++p)
+    text += fmt::format(",{}{}_at_{:g}{}_m{}", quantity, p + 1, x[p],
+                        y.empty() ? "" : fmt::format("_{:g}", y[p]), unit);
 }
 
 void add(double value, std::string& text) { text += fmt::format(",{}", value); }
@@ -30,10 +29,13 @@ void add(double value, std::string& text) { text += fmt::format(",{}", value); }
 std::string spectrum_csv(const Analysis& a) {
   const VelocitySpectrum& s = a.spectrum;
   std::string text = "frequency_Hz,psd_mean_m2/s2/Hz,psd_force_N2/Hz";
-  name_probes(a, "psd", "_m2/s2/Hz", text);
+  name_places("psd_probe", a.probe_position, a.probe_y, "_m2/s2/Hz", text);
+  name_places("psd_slider_probe", a.slider_probe_position, a.slider_probe_y, "_m2/s2/Hz", text);
+  text += '\n';
   for (std::size_t j = 0; j < s.frequency.size(); ++j) {
     text += fmt::format("{},{},{}", s.frequency[j], s.mean[j], s.force[j]);
-    for (const std::vector<double>& probe : s.probe) add(probe[j], text);
+    for (const auto* probes : {&s.probe, &s.slider_probe})
+      for (const std::vector<double>& probe : *probes) add(probe[j], text);
     text += '\n';
   }
   return text;
@@ -44,7 +46,8 @@ std::string bands_csv(const Analysis& a) {
   const bool weighted = !b.level_a.empty();
   std::string text = "nominal_Hz,centre_Hz,level_dB,spread_dB";
   if (weighted) text += ",level_a_dB";
-  name_probes(a, "level", "_dB", text, ",above_last_mode");
+  name_places("level_probe", a.probe_position, a.probe_y, "_dB", text);
+  text += ",above_last_mode\n";
   const std::vector<bool> above = bands_above_modes(a, b.number);
   for (std::size_t i = 0; i < b.number.size(); ++i) {
     text += fmt::format("{},{},{},{}", third_octave_name(b.number[i]),

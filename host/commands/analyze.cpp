@@ -152,10 +152,10 @@ int run_analysis(const AnalyzeRequest& request) {
   }
   for (const Analysis& analysis : analyses) print_text(describe(analysis));
   if (analyses.size() > 1) print_text(describe_means(analyses));
-  for (const std::string& prefix : prefixes)
-    if (!request.quiet)
-      print("  {:<17}{}{{spectrum,bands,shocks{}}}.csv\n", "written", prefix,
-            request.options.sound.asks() ? ",sound" : "");
+  for (std::size_t i = 0; i < prefixes.size() && !request.quiet; ++i)
+    print("  {:<17}{}{{spectrum,bands,shocks{}{}}}.csv\n", "written", prefixes[i],
+          request.options.sound.asks() ? ",sound" : "",
+          analyses[i].microphones.empty() ? "" : ",sound-level");
   if (!prefixes.empty() && !request.quiet) print("  {:<17}{}\n", "written", figures_file(request));
   return exit_status::done;
 }

@@ -10,6 +10,8 @@
 #include <fstream>
 #include <numeric>
 #include <random>
+#include <sstream>
+#include <string>
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/bands.hpp"
@@ -664,15 +666,18 @@ TEST_F(Analyze, MeansAreOfRunsThatDifferByTheirFaces) {
 }
 
 TEST_F(Analyze, WritesTables) {
-  run("a.h5");
+  run("a.h5", {"output.slider_probes=[0.01]"});
   const auto& folder = folder_.path();
   std::filesystem::create_directory(folder / "tables");
   EXPECT_EQ(ra2d({"analyze", "a.h5", "--csv", "tables"}).status, 0);
   EXPECT_EQ(ra2d({"analyze", "a.h5", "--csv", "x", "--a-weighting"}).status, 0);
-  EXPECT_THAT(
-      test::read_file(folder / "tables/a-spectrum.csv"),
-      testing::StartsWith("frequency_Hz,psd_mean_m2/s2/Hz,psd_force_N2/Hz,"
-                          "psd_probe1_at_0.15_m_m2/s2/Hz,psd_probe2_at_0.07_m_m2/s2/Hz\n0"));
+  EXPECT_THAT(test::read_file(folder / "tables/a-spectrum.csv"),
+              testing::StartsWith("frequency_Hz,psd_mean_m2/s2/Hz,psd_force_N2/Hz,"
+                                  "psd_probe1_at_0.15_m_m2/s2/Hz,psd_probe2_at_0.07_m_m2/s2/Hz,"
+                                  "psd_slider_probe1_at_0.01_m_m2/s2/Hz\n0"));
+  std::istringstream lines(test::read_file(folder / "tables/a-spectrum.csv"));
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 5) << line;
   EXPECT_THAT(test::read_file(folder / "tables/a-bands.csv"), HasSubstr("\n1000,1000,"));
   EXPECT_THAT(test::read_file(folder / "x-bands.csv"), HasSubstr(",level_a_dB,"));
   EXPECT_THAT(test::read_file(folder / "x-shocks.csv"), HasSubstr("\npeak_force_N,"));

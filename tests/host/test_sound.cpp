@@ -212,7 +212,8 @@ TEST_F(Sounds, SaysWhatTheLibraryFinds) {
       AllOf(HasSubstr(fmt::format("{:.2f} dB re 20 uPa, {:.2f} dB(A)", found.microphones[1].lp,
                                   found.microphones[1].lp_a)),
             HasSubstr("sound power"), HasSubstr("the slider's own sound; modes above 18.87 kHz"),
-            HasSubstr("0.00146 s to 0.1 s, 1.46 ms or more after the motion")));
+            HasSubstr("0.00146 s to 0.1 s, 1.46 ms or more after the motion"),
+            HasSubstr("x-{spectrum,bands,shocks,sound,sound-level}.csv")));
   // the level in time: ten on the screen, and all parts in a table, whose mean is the level
   EXPECT_THAT(text.out,
               HasSubstr("in time          dB re 20 uPa, over 0.0098 s each from 0.00146 s on"));
