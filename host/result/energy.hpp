@@ -12,9 +12,9 @@ namespace ra2d {
 struct EnergyBalance {
   double residual =
       0;  // J: kinetic + elastic + contact + damping loss - sliding work - load work - start
-  double turnover = 0;  // J: what it is measured against: the energy that went through
+  double turnover = 0;  // J: its largest term, which it is measured against
   int samples = 0;      // that it was taken between, no more than 2 counted
-  /// Whether so little went through that roundings remain: 1e-30 J bend a beam of 1e5 N/m by 4e-18
+  /// Whether all terms are so small that roundings remain: 1e-30 J bend a beam of 1e5 N/m by 4e-18
   /// m, and doubles next to a height of 10 um are 2e-21 m apart.
   bool is_of_roundings() const { return turnover > 0 && turnover < 1e-30; }
   /// NaN where there were no two samples to take it between, and of roundings.

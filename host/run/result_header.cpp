@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "host/base/text.hpp"
 #include "host/body/plate.hpp"
 #include "host/device/backend.hpp"
 #include "host/run/v_rms.hpp"
@@ -78,6 +79,8 @@ ResultHeader result_header(const Model& model, const std::string& key) {
   header.key = key;
   header.backend = backend_name();
   header.threads = backend_threads();
+  for (const std::string& doubt : model.doubts)
+    header.doubts += (header.doubts.empty() ? "" : "\n") + printable(doubt);
   header.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   const double spacing = model.scene.spacing;
   if (model.is_areal) {

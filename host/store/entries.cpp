@@ -145,7 +145,7 @@ const Entry all_entries[] = {
     {"summary/contact_share", "1", "share of the time with any node in contact", "", "", &ResultSummary::contact_share},
     {"summary/nodes_evaluated", "1", "nodes whose gap was evaluated, a step", "", "", &ResultSummary::nodes_evaluated},
     {"summary/energy_residual", "J", "stored and lost energy less the work put in, since the first sample counted", "", "", &ResultSummary::energy_residual},
-    {"summary/energy_turnover", "J", "energy that went through", "", "", &ResultSummary::energy_turnover},
+    {"summary/energy_turnover", "J", "largest of stored energy, loss and works meanwhile", "", "", &ResultSummary::energy_turnover},
     {"summary/energy_closure", "1", "residual over turnover, its size", "", "", &ResultSummary::energy_closure},
     {"summary/step_seconds", "s", "wall time a step", "", "", &ResultSummary::step_seconds},
     {"summary/wall_seconds", "s", "wall time of the run, until this file was closed", "", "", &ResultSummary::wall_seconds},

@@ -43,7 +43,8 @@ struct ResultHeader {
   std::string backend;  // e.g. "OpenMP"
   int threads = 1;
   std::string beyond_limit;  // the limit of stability that time.force passes; no attribute if empty
-  std::string started;       // ISO 8601, UTC
+  std::string doubts;   // values of the scene that look wrong, a line each; no attribute if empty
+  std::string started;  // ISO 8601, UTC
   ModesHeader resonator, slider;
   std::vector<double> probe_position, slider_probe_position;  // m; either may be empty
   std::vector<double> probe_y, slider_probe_y;                // m, of an areal scene

@@ -70,6 +70,7 @@ void UnfinishedFile::describe(const ResultHeader& header) {
     give({"threads", std::int64_t{header.threads}});
     give({"started", header.started});
     if (!header.beyond_limit.empty()) give({"beyond_limit", header.beyond_limit});
+    if (!header.doubts.empty()) give({"doubts", header.doubts});
     make_datasets(header);
     flush();
   });

@@ -112,8 +112,8 @@ def members_of(file):
 
 
 def check_attributes(reader, attributes):
-    # there when time.force passes a limit, and when the run has warnings
-    always = [name for name in attributes if name not in ("beyond_limit", "warnings")]
+    # there when time.force passes a limit, the scene has doubts and the run has warnings
+    always = [name for name in attributes if name not in ("beyond_limit", "doubts", "warnings")]
     expect(always == list(ATTRIBUTES), reader, "root attributes", list(attributes))
     for name, kind in ATTRIBUTES.items():
         expect(isinstance(attributes[name], kind), reader, name, "is", type(attributes[name]))

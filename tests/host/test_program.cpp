@@ -881,6 +881,23 @@ TEST_F(Program, AForcedStepRunsAndTheFileSaysSo) {
   EXPECT_EQ(check.wait(), 0) << check.err();
 }
 
+TEST_F(Program, TheFileKeepsTheDoubtsOfItsScene) {
+  RA2D_SKIP_WITHOUT_PYTHON();
+  ASSERT_EQ(run({"run", scene_file("dang2012"), "--set", "scene.duration=1e-3", "-o", "stiff.h5"}),
+            0);
+  std::ofstream(folder_ / "said.txt") << err_;
+  ASSERT_EQ(run({"run", scene_file("moving-force"), "-o", "fine.h5"}), 0) << err_;
+  EXPECT_EQ(err_, "");
+  std::ofstream(folder_ / "check.py")
+      << "import h5py\n"
+         "doubts = h5py.File('stiff.h5').attrs['doubts'].splitlines()\n"
+         "assert ['ra2d: ' + doubt for doubt in doubts] == open('said.txt').read().splitlines()\n"
+         "assert 'contact.stiffness' in doubts[0], doubts\n"
+         "assert 'doubts' not in h5py.File('fine.h5').attrs\n";
+  Child check(folder_, {ra2d::test::python(), "check.py"});
+  EXPECT_EQ(check.wait(), 0) << check.err();
+}
+
 TEST_F(Program, EveryFigureIsWhatItsDefinitionSays) {
   RA2D_SKIP_WITHOUT_PYTHON();
   const std::string scene = ra2d::test::source_folder() / "tests/host/figures.toml";

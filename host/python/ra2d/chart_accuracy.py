@@ -199,7 +199,7 @@ def _draw(points: pathlib.Path, long_runs: pathlib.Path) -> Picture:
         title = "closure of the energy (penalty)" if energy else context.get(kind, kind)
         reference = 0 if energy else float(context.get(f"{kind} of the reference") or "nan")
         _draw_errors(axes, rows, kind, title, reference, seen)
-        axes.set_ylabel("relative to what went through" if energy
+        axes.set_ylabel("relative to its largest term" if energy
                         else "relative error in the norm of the energy")
     middle.legend(handles=list(seen.values()), loc="center", ncol=6, fontsize=9, frameon=False)
     if long_rows:

@@ -155,6 +155,8 @@ def _doubts(result: Result, found: dict[str, Any]) -> list[str]:
                       + _brief(str(result.attrs["beyond_limit"])))
     if closure is not None and closure > MUCH_ENERGY:
         doubts.append(f"{100 * closure:.0f} % of the energy is unaccounted for.")
+    odd = str(result.attrs.get("doubts", "")).splitlines()
+    doubts += [f"The scene: {_brief(line)}" for line in odd[:MOST_WARNINGS]]
     # that of the energy is of the whole run: the line above is of what the page shows
     warned = [line for line in str(result.attrs.get("warnings", "")).splitlines()
               if "of the energy is unaccounted for" not in line]

@@ -330,6 +330,11 @@ def test_doubts_stand_on_top(folder, base):
     assert box.count("of the energy is unaccounted for") == 1
 
 
+def test_doubts_of_the_scene_stand_on_top(result):
+    box = page.results_text([result]).split('<div class="note" role="note">')[1].split("</div>")[0]
+    assert box.count("The scene: contact.stiffness = 1e+15 Pa/m: ") == 1
+
+
 def test_warnings_of_a_run_stand_on_top(folder):
     with pytest.warns(ra2d.Notice, match="^the resonator's vibration holds"):
         slow = ra2d.run("dang2012", {"slider.load": 100.0, "contact.stiffness": 4e12}, speed=1e-4,
