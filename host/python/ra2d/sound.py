@@ -37,6 +37,7 @@ RATES, MOST_SLOW = (8000, 384000), 1e4
 AUDIBLE = 20e3               # Hz, that the young hear
 # of half the lower rate: kept below the first, taken off above the second
 PASSED, STOPPED = 0.91, 1.0
+ENOUGH = 44e3                # Hz, a rate of samples of which all that is audible is kept
 STOP_BAND = 180.0            # dB
 MOST_PHASES = 2000           # of a resampler whose rates are in the ratio of two whole numbers
 # times the old rate, between whose samples splines go, for other ratios
@@ -392,18 +393,20 @@ def _doubt_rates(about: dict[str, Any], modes: Array) -> list[str]:
     doubts, body, rate, source = [], about["body"], about["rate"], about["source_rate"]
     carried = source / 2
     heard = min(carried, PASSED * rate / 2 * about["slow"])
+    is_whole = about["quantity"] != PRESSURE and source >= rate * about["slow"]
+    kept = carried if is_whole else PASSED * carried
     highest = float(modes.max(initial=0))
+    wanted = max(ENOUGH, 1e3 * math.ceil(2 * highest / 1e3))
     if above := _between(modes, carried, math.inf):
         doubts.append(f"output.rate is too low: {above} of the {body}'s modes ring above "
                       f"{carried:g} Hz, half the rate "
                       f"of the samples, the highest at {highest:.4g} Hz. They are heard at "
                       "frequencies that are not "
-                      f"theirs. Run with output.rate above {2 * highest:.3g}")
-    elif carried < AUDIBLE:
-        doubts.append(f"output.rate is low: nothing above {carried:g} Hz, half the rate of the "
-                      "samples, can be in this "
-                      f"sound, and ears go to {AUDIBLE:g} Hz. Run with output.rate = "
-                      f"{2 * AUDIBLE:g} or more")
+                      f"theirs. Run with output.rate = {wanted:g} or more")
+    elif kept < AUDIBLE:
+        doubts.append(f"output.rate is low: nothing above {kept:g} Hz is kept of samples at "
+                      f"{source:g} Hz, and ears go to {AUDIBLE:g} Hz. Run with output.rate = "
+                      f"{wanted:g} or more")
     if lost := _between(modes, heard, min(carried, AUDIBLE)):
         doubts.append(f"--rate {rate} passes what is below {heard:.4g} Hz: {lost} of the {body}'s "
                       "modes are left out. "

@@ -238,9 +238,12 @@ def test_what_the_rates_leave_out_is_said():
 
     found = doubts(20e3, (0, 100, 9e3, 12e3, 15e3))
     assert ("2 of the resonator's modes ring above 10000 Hz" in found
-            and "output.rate above 3e+04" in found)
+            and "output.rate = 44000 or more" in found)
+    assert "output.rate = 61000 or more" in doubts(20e3, (0, 30.1e3))
     found = doubts(20e3, (0, 100, 9e3))
-    assert "nothing above 10000 Hz" in found and "= 40000" in found
+    assert "nothing above 9100 Hz is kept" in found and "output.rate = 44000 or more" in found
+    assert "nothing above 18200 Hz" in doubts(40e3, (0, 9e3))
+    assert doubts(44e3, (0, 9e3)) == doubts(40e3, (0, 9e3), rate=40000) == ""
     assert doubts(100e3, (0, 100, 9e3)) == ""
     assert "1 of the resonator's modes are left out" in doubts(100e3, (0, 100, 9e3), rate=16000)
     assert "silence: the probe at 0.1 m does not move" in " ".join(
