@@ -12,6 +12,7 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/sound_pressure.hpp"
+#include "host/analysis/stretch.hpp"
 #include "host/base/clock.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
@@ -24,6 +25,7 @@
 #include "host/result/energy.hpp"
 #include "host/run/run.hpp"
 #include "host/run/run_json.hpp"
+#include "host/run/run_key.hpp"
 #include "host/run/run_warnings.hpp"
 #include "host/run/zoom.hpp"
 #include "host/scene/schemes.hpp"
@@ -222,6 +224,13 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
   return zooms;
 }
 
+/// Whether the scene of a result has other microphones or other air. Its motion is the same.
+bool has_other_sound(const Scene& scene, const std::filesystem::path& result) {
+  const ResultReader reader(result);
+  const std::optional<Scene> there = scene_of(reader.contents(), result);
+  return there && sound_settings(*there) != sound_settings(scene);
+}
+
 /// The last lines of a report: the levels at the scene's microphones.
 SceneSound print_sound(const Scene& scene, const std::filesystem::path& output, bool shown) {
   if (scene.output.microphones.empty()) return {};
@@ -276,6 +285,11 @@ int run_scene(RunRequest& request) {
     if (!request.json && !common.quiet)
       print("{} has this run already, complete: nothing to do (--fresh runs it again)\n",
             printable(output.string()));
+    if (!common.quiet && has_other_sound(scene, output))
+      say(
+          fmt::format("'{}' keeps the microphones and the air that it was made with, and analyze, "
+                      "report and sound take those. --fresh makes it with the scene's",
+                      output.string()));
     const SceneSound sound = print_sound(scene, output, !request.json && !common.quiet);
     const ZoomsRun zooms = run_zooms(request, scene, zoom, options);
     if (request.json) {

@@ -59,6 +59,23 @@ std::string run_key(const Model& model) {
   return hash.text();
 }
 
+std::string run_key_with_sound(const Model& model) {
+  const std::string key = run_key(model), sound = sound_settings(model.scene);
+  if (sound.empty()) return key;
+  Hash hash;
+  hash.add(key);
+  hash.add(sound);
+  return hash.text();
+}
+
+std::string sound_settings(const Scene& scene) {
+  if (scene.output.microphones.empty() && scene.air == AirSettings{}) return {};
+  std::string text = fmt::format("\nair of {} C and {} Pa\n", scene.air.celsius, scene.air.pascal);
+  for (const MicrophonePlace& at : scene.output.microphones)
+    text += fmt::format("microphone at {}, {}, {} m\n", at.x, at.y, at.z);
+  return text;
+}
+
 std::string first_difference(const std::string& there, const std::string& here) {
   std::istringstream a(there), b(here);
   std::string of_a, of_b;

@@ -19,6 +19,14 @@ int numerics_version_of(const Scene& scene);
 /// place of its files is in it, nor the number of threads.
 std::string run_key(const Model& model);
 
+/// As run_key(), of a run of which what microphones hear is kept, too: other microphones or other
+/// air make another key.
+std::string run_key_with_sound(const Model& model);
+
+/// The microphones and the air of a scene as text; nothing where it has no microphone and the usual
+/// air. Its motion does not depend on them.
+std::string sound_settings(const Scene& scene);
+
 /// The first difference of two scenes, as echo() writes them: "'speed = 0.1' there, 'speed = 0.2'
 /// here". Empty where they do not; their names are no difference.
 std::string first_difference(const std::string& there, const std::string& here);

@@ -154,6 +154,7 @@ inline constexpr double farthest_microphone = 100;  // m, from the resonator
 struct AirSettings {
   double celsius = 20;
   double pascal = 101'325;
+  bool operator==(const AirSettings&) const = default;
 };
 
 /// A place on a body: along it, and in areal scenes across it.

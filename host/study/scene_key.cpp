@@ -68,7 +68,7 @@ std::vector<std::filesystem::path> FileHashes::names() const {
   return names;
 }
 
-Key128 scene_key(const Scene& scene, FileHashes& files) {
+Key128 scene_key(const Scene& scene, FileHashes& files, bool with_sound) {
   Scene bare = without_origins(scene);
   Hash hash;
   hash.add(fmt::format("numerics {}\n{}\n", numerics_version_of(scene), arithmetic()));
@@ -79,6 +79,7 @@ Key128 scene_key(const Scene& scene, FileHashes& files) {
     body->surface.path.clear();
   }
   hash.add(used_keys(echo(bare)));
+  if (with_sound) hash.add(sound_settings(scene));
   return to_key(hash.text());
 }
 

@@ -40,8 +40,9 @@ class FileHashes {
 /// contents of its profiles' files, the version of the numerics and the build's arithmetic. Names
 /// and places do not count. run_key() hashes the heights themselves, which take milliseconds to
 /// make. Two scenes with one scene key have one run key, too, as long as `numerics_version` is
-/// raised when heights change.
-Key128 scene_key(const Scene& scene, FileHashes& files);
+/// raised when heights change. `with_sound`: of which what microphones hear is kept, too
+/// (run_key_with_sound).
+Key128 scene_key(const Scene& scene, FileHashes& files, bool with_sound = false);
 
 }  // namespace ra2d
 

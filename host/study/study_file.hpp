@@ -35,6 +35,9 @@ struct Study {
   std::vector<std::int64_t> seeds;  // run k takes both surfaces' seeds + 1000 k
   bool keep_level = true, keep_shocks = true, keep_sound = false, keep_files = false;
   std::vector<StudyDimension> dimensions;  // in the order in which they stand
+
+  /// Whether what is kept of a run depends on its scene's microphones and air.
+  bool keeps_microphones() const { return keep_sound || keep_files; }
 };
 
 /// Runs of one study at the most.

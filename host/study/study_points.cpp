@@ -200,7 +200,7 @@ PointCensus::PointCensus(const StudyPoints& points,
     for (std::size_t k = first; k < last; ++k) {
       Scene shifted = scene;
       shift_seeds(shifted, seeds[k]);
-      keys[first_point + k] = scene_key(shifted, files);
+      keys[first_point + k] = scene_key(shifted, files, study.keeps_microphones());
     }
   };
   const auto take = [&](std::size_t combination) {

@@ -282,7 +282,8 @@ class Worker {
   SceneRun* make(int crew, std::size_t point, FinishedRun& refused, Clock::time_point begin) {
     const Scene scene = points_.scene(point);
     Model model = make_model(scene);
-    refused.run = to_key(run_key(model));
+    refused.run =
+        to_key(points_.study().keeps_microphones() ? run_key_with_sound(model) : run_key(model));
     const std::string beyond_limit = checked_limit(model);
     if (const std::string overlap = overlap_at_start(model); !overlap.empty())
       throw refusal(scene, "scene.gap", overlap);

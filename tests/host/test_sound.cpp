@@ -270,6 +270,9 @@ TEST_F(Sounds, OfTheScenesMicrophonesEndTheReport) {
   const auto said = nlohmann::json::parse(again.out);
   EXPECT_EQ(said["was_there"], true);
   EXPECT_EQ(said["microphones"][0]["lpa"], level());
+  const auto is_said = HasSubstr("'a.h5' keeps the microphones and the air that it was made with");
+  EXPECT_THAT(again.err, is_said);  // air of 30 C
+  EXPECT_THAT(ra2d(with({"--set", place, "--set", "air.temperature=30"})).err, Not(is_said));
   // the file's own scene has the first microphone: analyze needs no --at
   options = {};
   EXPECT_EQ(analyze(folder_.path() / "a.h5", options).microphones.size(), 1u);

@@ -335,6 +335,22 @@ TEST(SceneKey, KnowsWhatDecidesTheBitsAndNothingElse) {
   EXPECT_TRUE(changed([](Scene& s) { s.slider.surface.seed ^= 1; }));
   EXPECT_TRUE(changed([](Scene& s) { std::swap(s.slider.surface, s.resonator.surface); }));
   EXPECT_TRUE(changed([](Scene& s) { s.slider.load_is_weight = false; }));
+  EXPECT_FALSE(changed([](Scene& s) { s.air.celsius = 0; }));
+
+  // what microphones hear is kept, too
+  const auto with_sound = [&](auto change) {
+    Scene other = scene;
+    change(other);
+    return scene_key(other, files, true);
+  };
+  const auto hears = [](double z) {
+    return [z](Scene& s) { s.output.microphones = {{0.1, 0.05, z}}; };
+  };
+  EXPECT_EQ(with_sound([](Scene&) {}), key);
+  EXPECT_NE(with_sound([](Scene& s) { s.air.celsius = 0; }), key);
+  EXPECT_NE(with_sound([](Scene& s) { s.air.pascal = 5e4; }), key);
+  EXPECT_EQ(with_sound(hears(0.5)), with_sound(hears(0.5)));
+  EXPECT_NE(with_sound(hears(0.5)), with_sound(hears(0.25)));
 
   const auto write = [&](const char* name, const char* text) {
     std::ofstream(folder.path() / name) << text;

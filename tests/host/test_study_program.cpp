@@ -532,6 +532,45 @@ TEST_F(StudyProgram, KeepsTheSoundWithoutTheFiles) {
               AllOf(HasSubstr("Lp: no law yet"), HasSubstr("Lw = ")));
 }
 
+/// Sound and results that are kept are those of the study's microphones and air as they stand.
+TEST_F(StudyProgram, OtherMicrophonesAndOtherAirAreOtherRuns) {
+  const auto write = [&](const char* keep, const std::string& set, const std::string& vary = "") {
+    write_study(1, fmt::format("keep = [\"level\", \"{}\"]\n[set]\n\"scene.duration\" = 4e-3\n{}",
+                               keep, set));
+    std::ofstream(folder_ / "study.toml", std::ios::app) << vary;
+  };
+  const auto microphone = [](double z) {
+    return fmt::format("\"output.microphones\" = [{{ x = 0.1, y = 0.05, z = {} }}]\n", z);
+  };
+  const auto lp = [&] { return read_study_table(folder_ / "out/results.h5").lp; };
+  write("sound", microphone(0.2));
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  const std::vector<double> near = lp();
+  write("sound", microphone(0.1));
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("4 runs finished in"));
+  const std::vector<double> nearer = lp();
+  for (std::size_t i = 0; i < near.size(); ++i) EXPECT_GT(nearer[i], near[i] + 1) << i;
+  write("sound", microphone(0.2));
+  ASSERT_EQ(run({"study.toml", "-o", "out"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("all 4 runs are finished already"));
+  EXPECT_EQ(lp(), near);
+
+  write("sound", microphone(0.2), "air = { key = \"air.temperature\", values = [0, 90] }\n");
+  ASSERT_EQ(run({"study.toml", "-o", "air"}), 0) << err_;
+  EXPECT_THAT(err_, Not(HasSubstr("changes nothing")));
+  const std::vector<double> of_air = read_study_table(folder_ / "air/results.h5").lp;
+  ASSERT_EQ(of_air.size(), 8u);
+  for (std::size_t i = 0; i < 8; i += 2) EXPECT_GT(of_air[i], of_air[i + 1] + 0.5) << i;
+
+  write("files", microphone(0.2));
+  ASSERT_EQ(run({"study.toml", "-o", "files"}), 0) << err_;
+  write("files", microphone(0.1));
+  ASSERT_EQ(run({"study.toml", "-o", "files"}), 0) << err_;
+  EXPECT_THAT(out_, HasSubstr("4 runs finished in"));
+  EXPECT_EQ(test::run_program(folder_, {test::program(), "check", "files"}).status, 0);
+}
+
 TEST_F(StudyProgram, SaysHowManyRunsWarnOfWhat) {
   write_study(2,
               "keep = [\"level\", \"sound\"]\n[set]\n\"scene.duration\" = 0.03\n"
