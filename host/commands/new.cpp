@@ -148,7 +148,12 @@ int make_new(const NewRequest& request) {
       Model made = make_model(parse_scene(text, request.output));
       if (!request.areal) return made;
       const PointContacts contacts = point_contacts_of(made, make_start(made));
-      if (contacts.radius > 0) scene.point_kappa = contacts.hertz.kappa;
+      if (contacts.radius > 0) {
+        constexpr double shock_error = 0.05;  // of rates and durations
+        scene.point_kappa = contacts.hertz.kappa;
+        scene.row_spacing = width_on_springs(scene.point_kappa, contacts.radius, contacts.load) /
+                            nodes_for(shock_error, Faces::smooth);
+      }
       text = new_scene_text(scene, request.output);
       return make_model(parse_scene(text, request.output));
     } catch (const RequestError& fault) {

@@ -228,9 +228,9 @@ void doubt_splines(const Model& model, Doubts& doubts) {
     doubts.push_back(fmt::format(
         "{}.surface: between nodes {:g} m apart its spline may be off by up to some {:.2g} m, "
         "{:.0f} % of its root mean square height, and rates of shocks by as much: take a finer "
-        "scene.spacing, or scene.faces = \"linear\"{}",
+        "scene.spacing{}",
         name, scene.spacing, off, 100 * error,
-        model.is_areal ? "" : " ('ra2d plan' compares them)"));
+        model.is_areal ? "" : ", or scene.faces = \"linear\" ('ra2d plan' compares them)"));
   }
 }
 

@@ -400,17 +400,21 @@ std::string points_text(const Model& model, const Plan& plan) {
       "GPa); "
       "by\n           Hertz {:.2g} N/m and {:.2g} um wide: contact.stiffness = {:.2g} makes it as "
       "stiff\n           on contact.stiffness = {:.2g} Pa/m they are {:.2g} um wide, {:.2g} "
-      "{}:\n           rates of shocks and their durations are off by some {:.{}f} %\n",
+      "{}:\n           rates of shocks and their durations are off by {}\n",
       p.contacts, p.load, p.radius * 1e3, p.modulus * 1e-9, p.hertz.stiffness,
       2e6 * p.hertz.half_width, p.hertz.kappa, scene.contact.stiffness, p.width * 1e6, p.nodes,
-      model.has_smooth_faces() ? "rows" : "spacings", 100 * p.shock_error,
-      p.shock_error < 0.01 ? 1 : 0);
+      model.has_smooth_faces() ? "rows" : "spacings",
+      p.shock_error > 1
+          ? std::string("more than 100 %")
+          : fmt::format("some {:.{}f} %", 100 * p.shock_error, p.shock_error < 0.01 ? 1 : 0));
   if (!(p.shock_error > large)) return text;
   const auto spacing = [&](Faces faces) { return rounded_down(p.width / nodes_for(small, faces)); };
-  return text + fmt::format(
-                    "           {:g} % takes scene.spacing = {}, or scene.faces = \"smooth\" and\n"
-                    "           scene.spacing_y = {}\n",
-                    100 * small, spacing(Faces::linear), spacing(Faces::smooth));
+  return text +
+         fmt::format(
+             "           {0:g} % takes --set scene.faces=smooth --set scene.spacing_y={2}, or\n"
+             "           --set scene.faces=linear --set scene.spacing={1} --set "
+             "scene.spacing_y={1}\n",
+             100 * small, spacing(Faces::linear), spacing(Faces::smooth));
 }
 
 /// A line a choice: how far off it makes the answer, and what it costs.

@@ -50,12 +50,12 @@ std::string contact_text(const Scene& scene, double share) {
 
 /// Where slow sliding under a load bends the bodies far more than it lets them vibrate, errors of
 /// the steps in contact ring in the modes, and the level is too high. It was measured: 2.7 dB where
-/// tolerance/sqrt(share) was 0.14. Between smooth faces such errors are a thousand times smaller,
-/// and without contact there are none.
+/// tolerance/sqrt(share) was 0.14. Between smooth faces, plane and areal, the same ratio meant 0.2
+/// dB at the most below 15, and 0.4 to 2 dB at 110 to 190. Without contact there is no such error.
 std::string level_text(const Scene& scene, const RunReport& report) {
-  if (scene.faces == Faces::smooth || !(report.contact_share > 0)) return {};
+  if (!(report.contact_share > 0)) return {};
   const double share = report.vibration_share_of_energy;
-  const double better = better_tolerance(scene, share, 0.03);
+  const double better = better_tolerance(scene, share, scene.faces == Faces::smooth ? 10 : 0.03);
   if (!(better > 0)) return {};
   return fmt::format(
       "the resonator's vibration holds {:.1g} of the energy, beside which time.tolerance = {:g} "

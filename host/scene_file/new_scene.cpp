@@ -30,7 +30,7 @@ constexpr double audible = 20e3;                 // Hz
 constexpr double usual_rate = 100e3;             // Hz
 constexpr double nodes_to_rsm = 50;              // at least: splines follow random faces
 constexpr double most_nodes_of_new_scene = 2e6;  // on the resonator
-constexpr double map_nodes_to_rsm = 50;          // of areal scenes: contacts are a few nodes wide
+constexpr double map_nodes_to_rsm = 50;          // of areal scenes: splines follow random faces
 constexpr double most_nodes_of_new_block = 2e6;  // of areal scenes, on the slider
 constexpr int most_resonator_modes = 200, most_slider_modes = 40;
 constexpr int fewest_modes = 3;        // elastic ones of the resonator
@@ -390,6 +390,13 @@ double spacing_of_new_areal_scene(const NewScene& scene) {
   return round_down(std::min(std::max(spacing, std::sqrt(area / most_nodes_of_new_block)), widest));
 }
 
+/// Fine enough for the contacts, as far as the nodes do not become too many.
+double row_spacing_of_new_scene(const NewScene& scene, double spacing) {
+  const double area = scene.slider.length.value * scene.slider.width.value;
+  return std::min(
+      spacing, round_down(std::max(scene.row_spacing, area / (spacing * most_nodes_of_new_block))));
+}
+
 /// Fine enough for the roughness.
 double spacing_of_new_scene(const NewScene& scene) {
   double spacing = std::min(scene.slider.length.value, scene.resonator.length.value) / 100;
@@ -590,6 +597,14 @@ std::string new_scene_text(const NewScene& scene, const fs::path& file) {
             "where its left end begins: it slides over the middle");
   lines.key("spacing", fmt::format("\"{:.4g} um\"", spacing * 1e6),
             "between two nodes; with half of it the level should stay");
+  if (is_areal && scene.row_spacing > 0) {
+    const double rows = row_spacing_of_new_scene(scene, spacing);
+    lines.key("spacing_y", fmt::format("\"{:.4g} um\"", rows * 1e6),
+              rows > scene.row_spacing * (1 + 1e-9)
+                  ? "between two rows; contacts ask for less: see 'ra2d plan'"
+                  : "between two rows: contacts are a few rows wide");
+    lines.key("faces", "\"smooth\"", "contact is integrated along splines");
+  }
   add_body(lines, scene, scene.resonator, file, false, highest);
   add_body(lines, scene, scene.slider, file, true, highest_of_slider);
   add_rest(lines, scene, highest);

@@ -37,9 +37,11 @@ struct NewScene {
   SceneKind kind = SceneKind::plane;
   NewBody resonator, slider;
   GivenNumber speed, damping,
-      duration;               // duration.value = 0: by the path
-  std::string load;           // as TOML
-  double point_kappa = 1e16;  // Pa/m, of an areal scene: as Hertz's point contacts
+      duration;      // duration.value = 0: by the path
+  std::string load;  // as TOML
+  // of an areal scene
+  double point_kappa = 1e16;  // Pa/m, as Hertz's point contacts
+  double row_spacing = 0;     // m, rows of smooth faces that contacts ask for; 0: not known
 };
 
 /// A question about a new scene. Its option takes the same answers.

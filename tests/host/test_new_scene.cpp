@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -261,6 +262,10 @@ TEST(NewScene, OfMapsIsAreal) {
   const Scene scene = read_scene(folder.path() / "case.toml");
   EXPECT_EQ(scene.kind, SceneKind::areal);
   EXPECT_EQ(scene.spacing, 2e-5);  // a fiftieth of RSm, rounded down
+  EXPECT_EQ(scene.faces, Faces::smooth);
+  const Ended planned = run_ra2d(folder.path(), {"plan", "case.toml", "--json"});
+  EXPECT_LT(nlohmann::json::parse(planned.out)["point_contacts"]["shock_error"], 0.06)
+      << planned.out;
   EXPECT_EQ(scene.slider.density, 7850);
   EXPECT_EQ(scene.resonator.max_frequency, 20e3);
   // as stiff as Hertz's point contacts: E*/a with contacts some 20 um wide

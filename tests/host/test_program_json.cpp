@@ -114,10 +114,11 @@ TEST_F(ProgramJson, OfARunThatIsThereHasTheWarningsOfItsMaking) {
 /// A slow slider under a load: the plate is bent far more than it vibrates. The warning's tolerance
 /// makes the level right.
 TEST_F(ProgramJson, ALevelBelowTheErrorsOfTheStepsIsDoubted) {
-  const auto made = [&](const char* tolerance, const char* faces) {
+  const auto made = [&](const char* tolerance, const char* faces,
+                        const char* speed = "scene.speed=1e-4") {
     std::vector<std::string> words{"run", scene_file("dang2012"), "--json", "--force"};
     for (const std::string set :
-         {"scene.duration=0.01", "scene.speed=1e-4", "slider.load=100", "contact.stiffness=4e12",
+         {"scene.duration=0.01", speed, "slider.load=100", "contact.stiffness=4e12",
           "time.scheme=adaptive", tolerance, faces})
       words.insert(words.end(), {"--set", set});
     return json(words);
@@ -132,6 +133,12 @@ TEST_F(ProgramJson, ALevelBelowTheErrorsOfTheStepsIsDoubted) {
   EXPECT_THAT(fine["warnings"].dump(), testing::Not(doubt));
   EXPECT_THAT(smooth["warnings"].dump(), testing::Not(doubt));
   EXPECT_NEAR(smooth["lv"], made("time.tolerance=1e-9", "scene.faces=smooth")["lv"], 1e-3);
+  const char* const slow = "scene.speed=1e-6";
+  const Json coarse_smooth = made("time.tolerance=1e-4", "scene.faces=smooth", slow),
+             fine_smooth = made("time.tolerance=1e-8", "scene.faces=smooth", slow);
+  EXPECT_THAT(coarse_smooth["warnings"].dump(), testing::AllOf(doubt, HasSubstr("Try 1e-08")));
+  EXPECT_GT(coarse_smooth["lv"], fine_smooth["lv"].get<double>() + 1);
+  EXPECT_THAT(fine_smooth["warnings"].dump(), testing::Not(doubt));
 }
 
 /// The only mode moves by its velocity over its angular frequency. The gap makes the corner of the
