@@ -253,6 +253,21 @@ std::string setting_columns(const Name& name, const Method& setting) {
                      number(setting.time.tolerance.value_or(quiet_nan)));
 }
 
+/// A fine setting is followed over a shorter stretch, and the closure grows with the time.
+std::string closure_heading(const AccuracyChart& chart) {
+  double least = quiet_nan, most = quiet_nan;
+  for (const Measured& point : chart.points)
+    if (!std::isnan(point.energy_closure)) {
+      least = std::fmin(least, point.stretch);
+      most = std::fmax(most, point.stretch);
+    }
+  return "closure of the energy" +
+         (std::isnan(least) ? std::string()
+                            : fmt::format(", each over the stretch that it was timed on, {:.2g} to "
+                                          "{:.2g} s: it grows with the time",
+                                          least, most));
+}
+
 }  // namespace
 
 std::string describe(const AccuracyChart& chart) {
@@ -263,7 +278,7 @@ std::string describe(const AccuracyChart& chart) {
     text += heading(chart.instants[i].text);
     text += measure_table(chart, i);
   }
-  text += heading("closure of the energy");
+  text += heading(closure_heading(chart));
   text += measure_table(chart, chart.instants.size());
   text += long_table(chart);
 

@@ -158,8 +158,10 @@ std::string needed_for(const LawQuantity& of) {
 
 std::string missing_text(std::size_t runs) {
   if (runs == 0) return {};
-  return fmt::format("{} of the runs {} not run yet: the same 'ra2d study' command continues", runs,
-                     runs == 1 ? "has" : "have");
+  return fmt::format(
+      "{} of the runs {} not run yet: the same 'ra2d study' command continues, or those of other "
+      "shards",
+      runs, runs == 1 ? "has" : "have");
 }
 
 std::vector<LawQuantity> sounds_of(const StudyAnswers& answers) {
