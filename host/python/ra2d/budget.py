@@ -197,14 +197,19 @@ def _cell(shift: float, chance: float, source: str) -> str:
 
 
 def _short(value: float, digits: int) -> str:
-    """So many digits, and no exponent.
+    """So many digits, more before the point, four behind it at most, and no power of ten.
 
-    >>> _short(34.2, 1), _short(0.0123, 1)
-    ('34', '0.01')
+    >>> _short(34.2, 1), _short(9.96, 1), _short(0.0123, 1), _short(1e-5, 1)
+    ('34', '10', '0.01', '0.0000')
     """
     if not math.isfinite(value):
         return "unknown"
-    return f"{value:.0f}" if value >= 10 ** digits else f"{value:.{digits}g}"
+    if value == 0:
+        return "0"
+    if value < 10 ** digits:  # 9.96 becomes 10 before its digits are counted
+        value = float(f"{value:.{digits}g}")
+    decimals = digits - 1 - math.floor(math.log10(value))
+    return f"{value:.{min(max(decimals, 0), 4)}f}"
 
 
 def _without_nan(of: Any) -> Any:

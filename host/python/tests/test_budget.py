@@ -81,6 +81,14 @@ def test_text_json_and_csv_say_the_same(budget, folder):
         budget.to_csv(folder / "no" / "b.csv")
 
 
+@pytest.mark.parametrize("shift, chance, cell", [
+    (3.9, 9.7, "+3.9 ± 10"), (-46.2, 12.3, "-46 ± 12"), (0.0996, 0.96, "+0.10 ± 1"),
+    (99.7, 99.7, "+100 ± 100"), (-1e-7, 2e-5, "-0.0000 ± 0.0000"), (0.0, 0.0, "+0 ± 0"),
+    (123456789.0, math.nan, "+123456789 ± unknown")])
+def test_cells_have_no_powers_of_ten(shift, chance, cell):
+    assert budgets._cell(shift, chance, "stiffness") == cell
+
+
 def test_the_other_step_is_twice_where_it_is_stable():
     """A scheme of first order errs by h c: from h to 2 h it moves by its whole error. Near the
     limit: half."""
