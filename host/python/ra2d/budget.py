@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from . import files
+from . import files, program
 from .errors import RequestError, kept_notices, notice
 from .estimate import Estimate
-from .realisations import Face, has_measured_map, of_scene
+from .realisations import BODIES, Face, has_measured_map, of_scene
 from .scenes import Scene, scene
 from .student import half_interval
 from .studies import Study, study
@@ -44,9 +44,10 @@ class Budget:
       realisations, each with the interval of the whole
     - `table`: a row for each source. `chance`: half of the 95 % interval of the mean over the
       realisations. The others: by how much the mean moves when the source is changed as the row
-      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable.
-      Level in dB; rate and duration in hundredths of the natural logarithm: small ones are per
-      cent, -42 is a factor of exp(-0.42) = 0.66
+      says, and 95 % of chance in that (`_chance`); both with twice the step where that is stable
+      (where it is not for more modes, they have the scene's own step, or half of it). Level in dB;
+      rate and duration in hundredths of the natural logarithm: small ones are per cent, -42 is a
+      factor of exp(-0.42) = 0.66
     - `realisations`: a row for each pair of faces: the `kind` of either face, and
       `distribution_error`, of surrogates: by how much their sorted heights are off, as a share of
       Rq
@@ -244,25 +245,66 @@ def _other_step(what: Scene, step: float) -> tuple[str, dict[str, Any]]:
     return "half", {"time.step": step / 2}
 
 
-def _with_modes(complete: Mapping[str, Any], bodies: list[str], times: float) -> dict[str, Any]:
-    """The keys of the bodies' numbers of modes, with so many times as many."""
-    modes: dict[str, Any] = {f"{body}.max_frequency": times * complete[body]["max_frequency"]
-                             for body in bodies if "max_frequency" in complete[body]}
-    return modes | {f"{body}.modes": math.ceil(times * complete[body]["modes"])
-                    for body in bodies if "modes" in complete[body]}
+def _plan_of(what: Scene) -> dict[str, Any]:
+    with program.scratch() as folder:
+        found: dict[str, Any] = program.ask("plan", what.file(folder), *what.options())
+    return found
 
 
-def _is_taken(what: Scene, changed: Mapping[str, Any]) -> bool:
-    """Whether the program takes the scene with these values."""
+def _with_counted_modes(what: Scene) -> Scene:
+    """The scene with the numbers of its elastic modes, also where it says up to which frequency:
+    frequencies of a beam go as the square of the number, those of a plate as the number."""
+    plan = _plan_of(what)
+    return what.change({f"{body}.modes": plan[body]["elastic_modes"] for body in BODIES
+                        if plan[body]["elastic_modes"] > 0})
+
+
+def _refusal(what: Scene, changed: Mapping[str, Any]) -> str:
+    """Why the program would not run the scene with these values; empty where it would."""
     try:
-        what.change(changed).plan()
-    except RequestError:
-        return False
-    return True
+        with kept_notices():  # of runs that may not be made
+            plan = _plan_of(what.change(changed))
+    except RequestError as fault:
+        return str(fault).splitlines()[-1].strip()  # the first ones name the file and the faults
+    return next((str(note) for note in plan["notes"] if "'ra2d run' refuses" in note), "")
 
 
-def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dict[str, Any]]]:
-    """Each source: what is done to it, and the keys with their other values."""
+def _other_modes(what: Scene, complete: Mapping[str, Any],
+                 cases: Mapping[str, tuple[str, dict[str, Any]]]
+                 ) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+    """The source of truncation beside the other `cases`, with what to say of it. More modes have
+    higher frequencies: where they do not bear the step of the other sources, they are compared at
+    the scene's own, or at half of it. A third fewer are taken where there is no room for more.
+    `complete` has numbers of modes."""
+    counts = {f"{body}.modes": complete[body]["modes"] for body in BODIES
+              if complete[body]["support"] != "rigid" and complete[body].get("modes", 0) > 0}
+    if not counts:
+        return {}, ["modes: neither body has elastic ones; what more of them would show is not in "
+                    "this budget"]
+    # whole numbers: 1.5 n and 2/3 n in floating point may be just above one
+    more: dict[str, Any] = {key: (3 * count + 1) // 2 for key, count in counts.items()}
+    fewer: dict[str, Any] = {key: (2 * count + 2) // 3 for key, count in counts.items()}
+    tries = [more]
+    if "step" in cases:
+        how, other = cases["step"]
+        tries.append({**more, "time.step": complete["time"]["step"] if how == "twice"
+                      else other["time.step"]})
+    why = ""
+    for changed in tries:
+        found = {"modes": ("1.5 times as many", changed)}
+        why = _refusal(what, _values("modes", {**cases, **found}))
+        if not why:
+            return found, []
+    if fewer == counts:
+        return {}, ["modes: 1.5 times as many cannot be run, and they are too few to leave out a "
+                    f"third: {why}"]
+    return ({"modes": ("a third fewer", fewer)},
+            [f"modes: 1.5 times as many cannot be run, so there are a third fewer: {why}"])
+
+
+def _cases(what: Scene, complete: Mapping[str, Any]
+           ) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[str]]:
+    """Each source: what is done to it, and the keys with their other values; and notes."""
     time, contact = complete["time"], complete["contact"]
     cases: dict[str, tuple[str, dict[str, Any]]] = {}
     if time["scheme"] == "adaptive":
@@ -272,22 +314,28 @@ def _cases(what: Scene, complete: Mapping[str, Any]) -> dict[str, tuple[str, dic
         cases["step"] = _other_step(what, time["step"])
     spacings = ("spacing", "spacing_y") if "spacing_y" in complete["scene"] else ("spacing",)
     cases["spacing"] = ("half", {f"scene.{key}": complete["scene"][key] / 2 for key in spacings})
-    bodies = [body for body in ("resonator", "slider") if complete[body]["support"] != "rigid"]
-    modes = _with_modes(complete, bodies, 1.5)
-    if modes:
-        cases["modes"] = ("1.5 times as many", modes)
-        # a plate has many
-        if complete["scene"].get("kind") == "areal" and not _is_taken(what, modes):
-            cases["modes"] = ("a third fewer", _with_modes(complete, bodies, 2 / 3))
+    modes, notes = _other_modes(what, complete, cases)
+    cases |= modes
     if contact["law"] == "penalty" and not isinstance(contact["stiffness"], str):
         cases["stiffness"] = ("twice", {"contact.stiffness": 2 * contact["stiffness"]})
-    return cases
+    return cases, notes
 
 
 def _reference(source: str, cases: Mapping[str, tuple[str, Any]]) -> str:
-    """The runs that a source's own are compared with. Where twice the step is stable, both take it:
-    their difference hardly feels the step, and costs half."""
-    return "step" if source != "step" and cases.get("step", ("",))[0] == "twice" else AS_GIVEN
+    """The runs that a source's own are compared with: those with the same step. Where twice the
+    step is stable, both take it: their difference hardly feels the step, and costs half."""
+    if source == "step" or "step" not in cases:
+        return AS_GIVEN
+    how, other = cases["step"]
+    own = cases[source][1].get("time.step")
+    is_other = how == "twice" if own is None else own == other["time.step"]
+    return "step" if is_other else AS_GIVEN
+
+
+def _values(source: str, cases: Mapping[str, tuple[str, dict[str, Any]]]) -> dict[str, Any]:
+    """The keys that a source's runs change, with their values."""
+    reference = _reference(source, cases)
+    return {**(cases[reference][1] if reference != AS_GIVEN else {}), **cases[source][1]}
 
 
 def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: list[list[Face]],
@@ -298,9 +346,7 @@ def _run(what: Scene, cases: Mapping[str, tuple[str, dict[str, Any]]], faces: li
     keys = list(dict.fromkeys(key for _, changed in cases.values() for key in changed))
     settings = {key: complete[key.split(".")[0]].get(key.split(".")[1], 1e-8) for key in keys}
     sources: dict[str, dict[str, Any]] = {AS_GIVEN: {}}
-    for name, (_, changed) in cases.items():
-        reference = _reference(name, cases)
-        sources[name] = changed if reference == AS_GIVEN else {**cases[reference][1], **changed}
+    sources |= {name: _values(name, cases) for name in cases}
     values = []
     for source, changed in sources.items():
         for number, pair in enumerate(faces if source == AS_GIVEN else faces[:PAIRED], 1):
@@ -389,17 +435,18 @@ def uncertainty(source: str | os.PathLike[str] | Mapping[str, Any] | Scene, seed
     place = pathlib.Path(folder or f"{what.title}-uncertainty").resolve()
     files.require_folder(place)
     with kept_notices() as messages:
+        what = _with_counted_modes(what)
         complete = what.complete()
         varied, faces = of_scene(what, complete, int(seeds), place / "faces")
-        cases = _cases(what, complete)
+        cases, notes = _cases(what, complete)
         table = _run(varied, cases, faces, folder=place, threads=threads, show=show)
     for message in dict.fromkeys(messages):  # plans and study say the same of a scene
         if "failed (--retry-failed" not in message:  # which the notes tell
             notice(message)
     runs = _runs(table, [AS_GIVEN, *cases])
-    notes = ["spacing: between the points of a measured map stands their spline; what finer points "
-             "would show is not in this budget"
-             ] if has_measured_map(complete) else []
+    if has_measured_map(complete):
+        notes.append("spacing: between the points of a measured map stands their spline; what "
+                     "finer points would show is not in this budget")
     return _of_runs(runs, cases, faces, table, notes)
 
 

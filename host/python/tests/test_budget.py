@@ -89,6 +89,79 @@ def test_cells_have_no_powers_of_ten(shift, chance, cell):
     assert budgets._cell(shift, chance, "stiffness") == cell
 
 
+def test_there_are_really_one_and_a_half_times_as_many_modes(budget, base, folder):
+    """A beam of 19 modes has 29, at 2.3 times the frequency; `as asked` keeps its motion."""
+    whole = base.change(duration=0.05, rate=1e4)
+    by = budget.runs.set_index(["source", "realisation"]).level
+    for source, changed in (("as asked", {}), ("modes", {"resonator.modes": 29})):
+        one = ra2d.run(whole, changed, output=folder / f"{source}.h5", show=False)
+        assert by[source, 1] == pytest.approx(one.level, abs=1e-9)
+    assert budget.table["changed to"]["modes"] == "1.5 times as many"
+
+
+def cases_of(name, changes=None, **changed):
+    with errors.kept_notices():
+        what = budgets._with_counted_modes(ra2d.scene(name).change(changes or {}, **changed))
+        return budgets._cases(what, what.complete())
+
+
+def test_modes_of_each_body_are_counted():
+    """By their number, whether the scene gives that or a frequency; of bodies that bend."""
+    found, notes = cases_of("dang2012", {"slider.thickness": 0.002, "slider.modes": 3,
+                                         "resonator.max_frequency": "20 kHz"})
+    assert found["modes"] == ("1.5 times as many", {"resonator.modes": 29, "slider.modes": 5})
+    assert not notes
+    found, notes = cases_of("areal", {"resonator.max_frequency": 5e3})  # a plate
+    assert found["modes"] == ("1.5 times as many", {"resonator.modes": 62}) and not notes
+    found, notes = cases_of("dang2012", {"resonator.support": "rigid"})
+    assert "modes" not in found and notes[0].startswith("modes: neither body has elastic ones")
+
+
+@pytest.mark.parametrize("name, modes, fewer", [("dang2012", 200, 134), ("areal", 174, 116)])
+def test_modes_that_do_not_fit_are_a_third_fewer(name, modes, fewer):
+    """256 of both bodies are the most. It is said why."""
+    found, notes = cases_of(name, {"resonator.modes": modes})
+    assert found["modes"] == ("a third fewer", {"resonator.modes": fewer})
+    assert len(notes) == 1 and "so there are a third fewer: " in notes[0]
+    assert "at most 256 can be marched" in notes[0] and "\n" not in notes[0]
+
+
+def test_more_modes_take_a_step_that_they_bear():
+    """Heun's limit goes as one through the highest frequency. The step that holds 19 modes at 2.6
+    us holds 29 up to 2.05 us; rk4's twice the step, 11 us, up to 10.4 us."""
+    found, _ = cases_of("dang2012", scheme="heun", step=1.9e-6)
+    assert "time.step" not in found["modes"][1]
+    assert budgets._reference("modes", found) == "as asked"
+    found, notes = cases_of("dang2012", scheme="heun", step=2.6e-6)
+    assert found["modes"][1] == {"resonator.modes": 29, "time.step": 1.3e-6} and not notes
+    assert [budgets._reference(name, found) for name in found] == ["as asked", "as asked", "step",
+                                                                   "as asked"]
+    found, notes = cases_of("dang2012", {"contact.law": "multiplier"}, scheme="rk4", step=5.5e-6,
+                            rate=2e4)
+    assert found["step"] == ("twice", {"time.step": 1.1e-5}) and not notes
+    assert found["modes"][1] == {"resonator.modes": 29, "time.step": 5.5e-6}
+    assert budgets._reference("spacing", found) == "step"
+    assert budgets._reference("modes", found) == "as asked"
+
+
+def test_more_modes_that_bear_no_step_are_fewer():
+    """Heun holds 19 modes up to 4.8 us; half of 4.7 us is too long for 29."""
+    found, notes = cases_of("dang2012", {"contact.law": "multiplier"}, scheme="heun", step=4.7e-6)
+    assert found["modes"] == ("a third fewer", {"resonator.modes": 13})
+    assert "heun holds a free mode at 43972 Hz up to" in notes[0]
+
+
+def test_modes_at_half_the_step_are_compared_there(folder):
+    near = ra2d.scene("dang2012").change(scheme="heun", step=2.6e-6, duration=0.005, rate=1e4)
+    found = ra2d.uncertainty(near, seeds=2, folder=folder / "near", show=False)
+    by = found.runs.set_index(["source", "realisation"]).level
+    assert found.table.level["modes"] == pytest.approx((by["modes"] - by["step"]).mean())
+    assert found.table.level["spacing"] == pytest.approx((by["spacing"] - by["as asked"]).mean())
+    one = ra2d.run(near, {"resonator.modes": 29, "time.step": 1.3e-6},
+                   output=folder / "near.h5", show=False)
+    assert by["modes", 1] == pytest.approx(one.level, abs=1e-9)
+
+
 def test_the_other_step_is_twice_where_it_is_stable():
     """A scheme of first order errs by h c: from h to 2 h it moves by its whole error. Near the
     limit: half."""
@@ -261,6 +334,7 @@ def test_runs_without_shocks_and_rigid_resonators(base, folder):
     assert json.loads(none.to_json())["quantities"]["shock_rate"]["value"] is None
     rigid = base.change({"resonator.support": "rigid"}, duration=0.005, rate=1e4)
     silent = ra2d.uncertainty(rigid, seeds=2, folder=folder / "rigid", show=False)
+    assert "modes" not in silent.table.index and "neither body has elastic" in silent.notes[-1]
     assert math.isnan(silent.level) and silent.shock_rate > 0 and "level" not in silent.dominant
 
 
