@@ -3,8 +3,9 @@
 
 It is of values that scatter. Of a continuous quantity no two are equal: those that are come from
 rounding, as durations that are whole numbers of steps do, and show no chance smaller than their
-step, which nothing here knows. So equal values have no interval, and no chance but where they
-agree."""
+step, which nothing here knows. Values that agree altogether are of one run, or of runs that differ
+in nothing that matters to them: no chance had a part in it. So equal values have no interval, and
+no chance."""
 from __future__ import annotations
 
 import math
@@ -52,16 +53,14 @@ def half_interval(values: Values) -> float:
 
 def mean_differs(differences: Values) -> float:
     """Probability of a mean so far from 0 by chance, by Student's t of paired differences. NaN of
-    fewer than two, or of equal ones that are not 0.
+    fewer than two, or of equal ones.
 
     >>> mean_differs(np.array([1.0, 1.1, 0.9])) < 0.01
     True
     """
     n = differences.size
-    if n < 2:
+    if n < 2 or np.ptp(differences) == 0:
         return math.nan
-    if np.ptp(differences) == 0:
-        return math.nan if differences.any() else 1.0
     error = float(differences.std(ddof=1)) / math.sqrt(n)
     return chance_beyond(float(differences.mean()) / error, n - 1)
 
@@ -69,15 +68,13 @@ def mean_differs(differences: Values) -> float:
 def means_differ(a: Values, b: Values, widening: tuple[float, float] = (1.0, 1.0)) -> float:
     """Probability of means so far apart by chance, by Welch's t. `widening`: by how much the
     scatter of either side understates the error of its mean. NaN of fewer than two on a side, or
-    where neither side scatters and they are not equal.
+    where neither side scatters.
 
     >>> means_differ(np.array([1.0, 1.1, 0.9]), np.array([2.0, 2.1, 1.8])) < 0.01
     True
     """
-    if min(a.size, b.size) < 2:
+    if min(a.size, b.size) < 2 or np.ptp(a) == np.ptp(b) == 0:
         return math.nan
-    if np.ptp(a) == np.ptp(b) == 0:
-        return 1.0 if a[0] == b[0] else math.nan
     squares = [w * w * float(x.var(ddof=1)) / x.size for x, w in zip((a, b), widening)]
     apart, both = float(a.mean() - b.mean()), sum(squares)
     freedom = both ** 2 / sum(s * s / (x.size - 1) for s, x in zip(squares, (a, b)))

@@ -47,10 +47,13 @@ def test_scenes_differ_key_by_key_with_units(base):
 
 def test_a_result_does_not_differ_from_itself(result):
     found = ra2d.compare(result, result.path)
-    assert found.scene.empty and (found.answers.difference
-                                  == 0).all() and (found.answers.chance == 1).all()
-    assert not found.answers.differs.any() and not (found.bands.differs == True).any()  # noqa: E712
-    assert "the scenes are the same" in found.text()
+    assert found.scene.empty
+    for table in (found.answers, found.bands):  # that it agrees with itself is no chance
+        assert (table.difference == 0).all() and table.chance.isna().all()
+        assert table.differs.isna().all()
+    assert (found.answers.why == comparison.EQUAL).all()
+    assert found.bands.why["1000"] == comparison.EQUAL  # at 20 Hz parts are too short
+    assert "the scenes are the same" in found.text() and "within chance" not in found.text()
 
 
 def test_answers_are_the_programs_and_differences_their_ratios(result, other):
@@ -191,8 +194,9 @@ gap = { key = "scene.gap", values = [1e-4, 2e-4] }
 
 def test_studies_are_compared_where_both_have_runs(study, folder, base):
     same = ra2d.compare(study, folder / "small")
-    assert len(same.answers) == 4 * 6 and (same.answers.difference
-                                           == 0).all() and not same.answers.differs.any()
+    assert len(same.answers) == 4 * 6 and (same.answers.difference == 0).all()
+    assert same.answers.chance.isna().all() and (same.answers.why == comparison.EQUAL).all()
+    assert same.notes == ["A and B are one study: that they agree says nothing about chance."]
     both = ("resonator.surface.rq", "slider.surface.rq")
     fewer = ra2d.study(base.change(duration=0.02, rate=1e4, stiffness=5e14),
                        {"speed": [0.2, 0.4], both: [8e-6]}, seeds=2,
@@ -203,6 +207,29 @@ def test_studies_are_compared_where_both_have_runs(study, folder, base):
     assert found.answers.a["level, speed = 0.2, rq = 8e-06"] == pytest.approx(float(level))
     with pytest.raises(ra2d.RequestError, match="a study is compared with a study"):
         ra2d.compare(study, "dang2012")
+
+
+def test_a_copy_of_a_study_with_more_seeds_says_nothing_about_chance(folder):
+    """The runs that both have are the same, to the last bit."""
+    (folder / "copied.toml").write_text("""base = "base-of-copied.toml"
+[set]
+"scene.duration" = 0.005
+"time.scheme" = "adaptive"
+[vary]
+speed = { key = "scene.speed", values = [0.1, 0.2] }
+""", encoding="utf-8")
+    (folder / "base-of-copied.toml").write_text(program.call("scenes", "dang2012"), "utf-8")
+    text = (folder / "copied.toml").read_text("utf-8")
+    for name, seeds in (("two", 2), ("two-and-one", 3)):
+        (folder / "copied.toml").write_text(f"seeds = {seeds}\n{text}", encoding="utf-8")
+        program.call("study", folder / "copied.toml", "-o", folder / name, "--quiet")
+        if seeds == 2:
+            shutil.copytree(folder / name, folder / "two-and-one")
+    found = ra2d.compare(folder / "two", folder / "two-and-one")
+    assert found.answers.chance.isna().all() and (found.answers.why == comparison.EQUAL).all()
+    assert "not known: both sides have the same values" in found.text()
+    assert found.notes[-1] == ("4 of 4 runs have the same values in both: that they agree says "
+                               "nothing about chance.")
 
 
 def test_false_alarms_in_runs_that_differ_by_rounding(base, folder):
@@ -277,7 +304,7 @@ def test_each_reason_is_of_its_quantity(base, folder, result):
     bare = ra2d.run(base, {"output.modes": "none"}, output=folder / "bare.h5", show=False)
     why = ra2d.compare(result, bare).answers
     assert why.why["level"] == "B: the file has no motion of the modes (output.modes)"
-    assert why.differs["rate of shocks"] is False and why.why["rate of shocks"] == ""
+    assert why.why["rate of shocks"] == comparison.EQUAL  # of one motion
     short = ra2d.run(base, {"output.modes": "none"}, duration=0.05, output=folder / "bare-short.h5",
                      show=False)
     assert "the run is too short" in ra2d.compare(short, short).answers.why["peak force"]
@@ -322,6 +349,9 @@ def test_values_that_do_not_scatter_show_no_chance():
     for paired in (True, False):
         chance, why = comparison._test_of_sets(same, same + 1, paired)
         assert math.isnan(chance) and why == comparison.NO_SCATTER
+    rising = np.array([1.0, 2.0])
+    chance, why = comparison._test_of_sets(rising, rising, True)
+    assert math.isnan(chance) and why == comparison.EQUAL
 
 
 def test_a_run_that_was_cut_short_is_told_once(folder, result):
