@@ -161,12 +161,7 @@ int answer(const Words& words) {
   } catch (const FileError& fault) {
     return give_up(fault.what(), exit_status::wrong_file);
   } catch (const std::filesystem::filesystem_error& fault) {
-    const std::string why = fault.code() == std::errc::too_many_symbolic_link_levels
-                                ? "its symbolic links lead in a ring"
-                                : fault.code().message();
-    return give_up(
-        fmt::format("cannot read or write '{}': {}", fault.path1().string(), why).c_str(),
-        exit_status::wrong_file);
+    return give_up(fault_text(fault).c_str(), exit_status::wrong_file);
   } catch (const std::bad_alloc&) {
     return give_up("out of memory: fewer nodes or modes are needed (see 'ra2d plan')",
                    exit_status::failed);

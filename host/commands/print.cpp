@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "host/base/exit_status.hpp"
@@ -50,6 +51,13 @@ void print_line(std::string_view name, std::string_view value) {
 void say(std::string_view message) {
   const std::string clear = progress_is_shown.exchange(false) ? "\r\033[K" : "";
   to_stderr(clear + "ra2d: " + printable_lines(message) + '\n');
+}
+
+std::string fault_text(const std::filesystem::filesystem_error& fault) {
+  return fmt::format("cannot read or write '{}': {}", fault.path1().string(),
+                     fault.code() == std::errc::too_many_symbolic_link_levels
+                         ? std::string("its symbolic links lead in a ring")
+                         : fault.code().message());
 }
 
 void say_doubts(const std::vector<std::string>& doubts, bool quiet) {

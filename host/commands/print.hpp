@@ -2,6 +2,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,6 +29,9 @@ void print_line(std::string_view name, std::string_view value);
 
 /// A message on stderr, behind the name of the program. One that cannot be written is lost.
 void say(std::string_view message);
+
+/// The system could not do something with a file: says so as a FileError does.
+std::string fault_text(const std::filesystem::filesystem_error& fault);
 
 /// Says each doubt once, unless `quiet`: those of two faces may be the same.
 void say_doubts(const std::vector<std::string>& doubts, bool quiet);

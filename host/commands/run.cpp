@@ -210,6 +210,9 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
     } catch (const FileError& fault) {
       say(fault.what());
       zooms.status = exit_status::wrong_file;
+    } catch (const std::filesystem::filesystem_error& fault) {
+      say(fault_text(fault));
+      zooms.status = exit_status::wrong_file;
     }
   if (request.common.quiet) return zooms;
   const auto others = windows_of_other_runs(scene, options.output, zooms.files);

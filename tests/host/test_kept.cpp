@@ -288,6 +288,21 @@ TEST_F(Kept, TheOutcomeIsPrintedAlsoWhereAWindowIsRefused) {
   EXPECT_EQ(taken["exit_status"], 2);
 }
 
+/// A name to which the run's own files can be added, and the window's no more.
+TEST_F(Kept, AWindowThatCannotBeWrittenIsNoSuccess) {
+  const std::string name = std::string(230, 'a') + ".h5";
+  std::vector<std::string> words = set({"scene.duration=0.01"});
+  words.insert(words.end(), {"--zoom", "0.001,0.002", "--json"});
+  const Ended ended = run(name, words);
+  EXPECT_EQ(ended.status, 4);
+  EXPECT_THAT(ended.err, HasSubstr("File name too long"));
+  const auto outcome = nlohmann::json::parse(ended.out);
+  EXPECT_EQ(outcome["complete"], true);
+  EXPECT_EQ(outcome["exit_status"], 4);
+  EXPECT_TRUE(outcome["zooms"].empty());
+  EXPECT_EQ(ra2d({"check", path(name)}).status, 0);
+}
+
 TEST_F(Kept, FixedStepsZoomToOneSampleAStep) {
   std::vector<std::string> words =
       set({"scene.duration=0.02", "time.scheme=backward-euler", "time.step=5e-7"});
