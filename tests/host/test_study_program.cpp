@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
@@ -569,6 +570,8 @@ TEST_F(StudyProgram, OtherMicrophonesAndOtherAirAreOtherRuns) {
   ASSERT_EQ(run({"study.toml", "-o", "files"}), 0) << err_;
   EXPECT_THAT(out_, HasSubstr("4 runs finished in"));
   EXPECT_EQ(test::run_program(folder_, {test::program(), "check", "files"}).status, 0);
+  const fs::directory_iterator files(folder_ / "files/runs");
+  EXPECT_EQ(std::distance(begin(files), end(files)), 8);  // each with its own microphone
 }
 
 TEST_F(StudyProgram, SaysHowManyRunsWarnOfWhat) {
