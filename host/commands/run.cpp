@@ -12,7 +12,6 @@
 
 #include "host/analysis/analysis_text.hpp"
 #include "host/analysis/sound_pressure.hpp"
-#include "host/analysis/stretch.hpp"
 #include "host/base/clock.hpp"
 #include "host/base/exit_status.hpp"
 #include "host/base/format.hpp"
@@ -228,10 +227,11 @@ ZoomsRun run_zooms(const RunRequest& request, const Scene& scene, const ZoomRequ
 }
 
 /// Whether the scene of a result has other microphones or other air. Its motion is the same.
-bool has_other_sound(const Scene& scene, const std::filesystem::path& result) {
-  const ResultReader reader(result);
-  const std::optional<Scene> there = scene_of(reader.contents(), result);
-  return there && sound_settings(*there) != sound_settings(scene);
+bool has_other_sound(const Scene& scene, const std::filesystem::path& result) try {
+  const Scene there = parse_echo(read_stamp(result).scene, result);
+  return sound_settings(there) != sound_settings(scene);
+} catch (const RequestError&) {  // a scene that another program wrote
+  return false;
 }
 
 /// The last lines of a report: the levels at the scene's microphones.

@@ -268,6 +268,17 @@ TEST(NewScene, OfMapsIsAreal) {
       << planned.out;
   EXPECT_EQ(scene.slider.density, 7850);
   EXPECT_EQ(scene.resonator.max_frequency, 20e3);
+  // rows that are too far apart: with the words that the plan names they are not
+  const std::string coarse =
+      run_ra2d(folder.path(), {"plan", "case.toml", "--set", "scene.spacing_y=2e-4"}).out;
+  EXPECT_THAT(coarse, HasSubstr("off by more than 100 %"));
+  const std::string words = "--set scene.faces=smooth --set ";
+  ASSERT_THAT(coarse, HasSubstr(words + "scene.spacing_y="));
+  const std::size_t begin = coarse.find(words) + words.size();
+  const Ended finer =
+      run_ra2d(folder.path(), {"plan", "case.toml", "--json", "--set", "scene.faces=smooth",
+                               "--set", coarse.substr(begin, coarse.find(',', begin) - begin)});
+  EXPECT_LT(nlohmann::json::parse(finer.out)["point_contacts"]["shock_error"], 0.06);
   // as stiff as Hertz's point contacts: E*/a with contacts some 20 um wide
   EXPECT_GT(scene.contact.stiffness, 1e15);
   EXPECT_LT(scene.contact.stiffness, 1e16);
