@@ -17,7 +17,8 @@ struct Place {
   int base;         // whole nodes
   double theta;     // the rest: every slider node stands theta behind resonator node base + n
   int part;         // the window: part of the node's width, of SliderMotion::windows
-  double offset;    // from the middle of that part
+  double middle;    // of that part, in chi from the resonator node
+  double offset;    // from there
 
   /// At a step, or a share of a step later.
   KOKKOS_FORCEINLINE_FUNCTION Place(const SliderMotion& motion, std::int64_t step,
@@ -26,7 +27,8 @@ struct Place {
     base = static_cast<int>(position);
     theta = position - base;
     part = static_cast<int>(theta * motion.windows);
-    offset = theta - (part + 0.5) * motion.window_width;
+    middle = (part + 0.5) * motion.window_width;
+    offset = theta - middle;
   }
   /// The number of the window: a part of the slider's path in which no node passes another and the
   /// modes' shapes at a node are cubic polynomials of the offset.
@@ -38,7 +40,7 @@ struct Place {
                                            double share = 0.0) {
     position = Kokkos::fma(static_cast<double>(step) + share, motion.advance, motion.position);
     theta = position - base;
-    offset = theta - (part + 0.5) * motion.window_width;
+    offset = theta - middle;
   }
 };
 

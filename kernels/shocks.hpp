@@ -10,8 +10,8 @@
 
 /// Shocks: connected pieces of contact in space and time. A slider node in contact belongs to the
 /// same shock as its neighbours, at this step and at the one before: in a plane scene the node
-/// before and the node after it, in an areal one the eight around it. These functions run on one
-/// lane.
+/// before and the node after it, in an areal one the eight around it. Functions without lanes run
+/// on one.
 namespace ra2d {
 
 /// Whether the buffer of ended shocks can take all that a single step can end.
@@ -206,8 +206,29 @@ KOKKOS_FORCEINLINE_FUNCTION bool continue_shocks(ShockTracking& shocks, RunBuffe
   return true;
 }
 
+/// The nodes of a list that are in contact, and the sums of their forces in two parts of the list.
+struct ListedContact {
+  std::uint32_t nodes = 0;  // a bit for each, of the first 32 of the list
+  double force[2] = {};     // N
+  double moment[2] = {};    // N, sum of f_n n
+
+  /// Adds listed node number e, of the second part from the bit `second` on. `bit`: 1 << e.
+  KOKKOS_FORCEINLINE_FUNCTION void add(std::uint32_t bit, std::uint32_t second, int node,
+                                       double f) {
+    nodes |= bit;
+    const double own = f * node;
+    if (bit < second) {
+      force[0] += f;
+      moment[0] += own;
+    } else {
+      force[1] += f;
+      moment[1] += own;
+    }
+  }
+};
+
 /// The most usual case of track_shocks, out of memory: the same few runs of neighbouring nodes
-/// touch step after step, a shock each. Not in areal scenes.
+/// touch step after step, a shock each. Not in areal scenes. Each lane has it.
 class SteadyShocks {
  public:
   /// Moves the open shocks from `shocks` here if the steady case may apply. `step`: the latest one
@@ -225,6 +246,32 @@ class SteadyShocks {
                     open.peak, open.impulse, open.moment};
     }
   }
+  /// Whether at `step` the nodes in contact of the same list would be enough.
+  KOKKOS_FORCEINLINE_FUNCTION bool lasts_to(std::int64_t step) const {
+    return step == next_ && listed_ != 0;
+  }
+  /// The bit that the second run begins with, for ListedContact; without one there is none so high.
+  KOKKOS_FORCEINLINE_FUNCTION std::uint32_t second() const { return second_; }
+  /// Takes in the contact of the step that lasts_to() was asked about. False, with nothing changed,
+  /// when other nodes of the list are in contact than a step ago.
+  KOKKOS_FORCEINLINE_FUNCTION bool take(const ListedContact& now, double position) {
+    if (now.nodes != listed_) return false;
+    ++next_;
+    add(steady_[0], now.force[0], now.moment[0], position);
+    if (count_ > 1) add(steady_[1], now.force[1], now.moment[1], position);
+    return true;
+  }
+  /// After the contact of a step, which was `nodes` of a list of `length`.
+  KOKKOS_FORCEINLINE_FUNCTION void hold(std::uint32_t nodes, int length) {
+    listed_ = next_ >= 0 && length <= 32 ? nodes : 0;
+    if (listed_ == 0) return;
+    std::uint32_t rest = listed_;
+    for (int node = steady_[0].first; node <= steady_[0].last; ++node) rest &= rest - 1;
+    second_ = count_ > 1 ? rest & (~rest + 1) : ~0u;
+  }
+  /// Nodes are listed anew.
+  KOKKOS_FORCEINLINE_FUNCTION void begin_list() { listed_ = 0; }
+
   /// Takes in the contact of one step, as track_shocks does. False, with nothing changed, when it
   /// is not this case.
   KOKKOS_FORCEINLINE_FUNCTION bool take(const ContactList& list, int count, std::int64_t step,
@@ -251,19 +298,16 @@ class SteadyShocks {
         force += list.forces[e];
         moment += list.forces[e] * place(list, e, node);
       }
-      now.force = force;
-      if (force > now.peak) now.peak = force;
-      now.impulse += force;
-      now.moment += moment + force * position;
+      add(now, force, moment, position);
     }
     return true;
   }
-  /// Back to `shocks`, before anything else reads or changes them.
-  KOKKOS_FORCEINLINE_FUNCTION void put_back(ShockTracking& shocks) {
+  /// Back to `shocks`, before anything else reads or changes them. The leader writes.
+  KOKKOS_FORCEINLINE_FUNCTION void put_back(ShockTracking& shocks, bool leader) {
     if (next_ < 0) return;
-    shocks.runs_step = next_ - 1;
+    if (leader) shocks.runs_step = next_ - 1;
     for (int r = 0; r < most; ++r) {
-      if (r >= count_) continue;
+      if (r >= count_ || !leader) continue;
       OpenShock& open = shocks.open[steady_[r].shock];
       open.last = next_ - 1;
       open.force = steady_[r].force;
@@ -272,6 +316,7 @@ class SteadyShocks {
       open.moment = steady_[r].moment;
     }
     next_ = -1;
+    listed_ = 0;
   }
 
  private:
@@ -283,23 +328,35 @@ class SteadyShocks {
   std::int64_t next_ = -1;  // the step that would continue it; negative: it is not this case
   int count_ = 0;
   Steady steady_[most]{};
+  std::uint32_t listed_ = 0, second_ = ~0u;  // see hold(); none: it is not known
 
+  KOKKOS_FORCEINLINE_FUNCTION static void add(Steady& now, double force, double moment,
+                                              double position) {
+    now.force = force;
+    if (force > now.peak) now.peak = force;
+    now.impulse += force;
+    now.moment += moment + force * position;
+  }
   /// As centre(), without reading the node.
   KOKKOS_FORCEINLINE_FUNCTION static double place(const ContactList& list, int e, int node) {
     return list.centres == nullptr ? node : list.centres[e];
   }
 };
 
-/// The cheapest variant of track_shocks that applies.
-KOKKOS_FORCEINLINE_FUNCTION void take_contact(SteadyShocks& steady, ShockTracking& shocks,
-                                              RunBuffer& runs, ShockBuffer& ended,
-                                              const ContactList& list, int count, std::int64_t step,
-                                              double position) {
+/// The cheapest variant of track_shocks that applies; called by all lanes.
+template <class Lanes>
+KOKKOS_FORCEINLINE_FUNCTION void take_contact(const Lanes& lanes, SteadyShocks& steady,
+                                              ShockTracking& shocks, RunBuffer& runs,
+                                              ShockBuffer& ended, const ContactList& list,
+                                              int count, std::int64_t step, double position) {
+  lanes.sync();  // the list
   if (steady.take(list, count, step, position)) [[likely]]
     return;
-  steady.put_back(shocks);
-  if (!continue_shocks(shocks, runs, list, count, step, position))
+  steady.put_back(shocks, lanes.leader());
+  lanes.sync();
+  if (lanes.leader() && !continue_shocks(shocks, runs, list, count, step, position))
     track_shocks(shocks, runs, ended, list, count, step, position);
+  lanes.sync();
   steady.take_over(shocks, runs, step);
 }
 

@@ -302,8 +302,8 @@ class ContactClusters {
       if (at == used) {
         lanes_.sync();
         expand_cluster_place<Lanes, packs>(
-            lanes_, motion_, faces_, slider_, patches_, tables_, place, buffers_.node[s],
-            buffers_.row[s], caches_.columns + static_cast<std::int64_t>(at) * column);
+            lanes_, faces_, slider_, patches_, tables_, place, buffers_.node[s], buffers_.row[s],
+            caches_.columns + static_cast<std::int64_t>(at) * column);
         if (lanes_.leader()) marks_.place_id[at] = id;
         ++used;
       }

@@ -20,7 +20,7 @@ class SliderPath {
   RA2D_FUNCTION Place at(std::int64_t tick) const {
     Place place(motion_, tick);
     place.theta = distance_at(tick, motion_.position - place.base);
-    place.offset = place.theta - (place.part + 0.5) * motion_.window_width;
+    place.offset = place.theta - place.middle;
     return place;
   }
   /// The place at another tick, seen from the same window; within that window it has the bits of
@@ -29,7 +29,7 @@ class SliderPath {
     Place there = place;
     there.position = Kokkos::fma(static_cast<double>(tick), motion_.advance, motion_.position);
     there.theta = distance_at(tick, motion_.position - place.base);
-    there.offset = there.theta - (place.part + 0.5) * motion_.window_width;
+    there.offset = there.theta - place.middle;
     return there;
   }
 

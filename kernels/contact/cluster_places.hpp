@@ -43,16 +43,15 @@ KOKKOS_FORCEINLINE_FUNCTION Number* cluster_term(Number* column, int t, int pack
 /// Writes Phi_kab of a place over a window, and the slider's slopes, to the column `to`. The place
 /// has an even row.
 template <class Lanes, int packs>
-RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const SliderMotion& motion,
-                                        const FaceTables& faces, const SliderShapes& slider,
-                                        const PatchTables& patches, const ClusterTables& tables,
-                                        const Place& place, int node, int row_number, double* to) {
+RA2D_FUNCTION void expand_cluster_place(const Lanes& lanes, const FaceTables& faces,
+                                        const SliderShapes& slider, const PatchTables& patches,
+                                        const ClusterTables& tables, const Place& place, int node,
+                                        int row_number, double* to) {
   using Real = typename Lanes::Real;
   constexpr int width = Lanes::width, row = packs * width;
   const int at = place.base + node;
   Real c[4][packs];
-  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
-                             at + (place.part + 0.5) * motion.window_width, c);
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes, at + place.middle, c);
   RA2D_CHECK(row_number >= 0 && row_number / 2 < tables.rows);
   const double* const across =
       tables.across + static_cast<std::int64_t>(row_number / 2) * (4 * row);

@@ -81,6 +81,12 @@ class ClusteredContact {
     }
     return single_(place, u, nodes, count, force, recorded);
   }
+  /// As NodeContact, of a list of single nodes.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> unlisted(const Place& place, const Real* u,
+                                                           const int* nodes, int count, Real* force,
+                                                           std::uint32_t second) const {
+    return single_.unlisted(place, u, nodes, count, force, second);
+  }
 
  private:
   Lanes lanes_;
@@ -183,7 +189,7 @@ class ClusteredContact {
     lanes_.sync();
   }
   RA2D_FUNCTION void expand_in(int at, const Place& place, int square) const {
-    expand_cluster_place<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, tables_, place,
+    expand_cluster_place<Lanes, packs>(lanes_, faces_, slider_, patches_, tables_, place,
                                        middle_node(square), middle_row(square),
                                        columns_ + static_cast<std::int64_t>(at) * column);
   }

@@ -37,10 +37,9 @@ inline constexpr int cell_numbers = 12;
 /// psi'''/6 along the cell (cell_slider). The resonator's follow from its cubics: offset and place
 /// in the cell add up. `face`: the cubics of CellFaces. A pure function of cell and window.
 template <class Lanes, int packs>
-KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& motion,
-                                        const FaceTables& faces, const SliderShapes& slider,
-                                        const PatchTables& patches, const Place& place, int cell,
-                                        double* shape, double* face) {
+KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const FaceTables& faces,
+                                        const SliderShapes& slider, const PatchTables& patches,
+                                        const Place& place, int cell, double* shape, double* face) {
   using Real = typename Lanes::Real;
   RA2D_CHECK(is_cell(faces, cell));
   const RowTables& rows = faces.rows;
@@ -49,8 +48,7 @@ KOKKOS_INLINE_FUNCTION void expand_cell(const Lanes& lanes, const SliderMotion& 
   const int at = place.base + i;
   Real c[cell_rows][packs];
   Real path[4][packs];
-  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
-                             at + 0.5 + (place.part + 0.5) * motion.window_width, path);
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes, at + 0.5 + place.middle, path);
   for (int p = 0; p < filled<packs>(lanes); ++p) {
     for (int m = 0; m < 4; ++m) c[m][p] = path[m][p];
     for (int m = cell_slider; m < cell_rows; ++m) c[m][p] = Real(0.0);

@@ -13,6 +13,7 @@
 #include "kernels/function.hpp"
 #include "kernels/lanes.hpp"
 #include "kernels/place.hpp"
+#include "kernels/shocks.hpp"
 #include "kernels/state.hpp"
 #include "kernels/tables.hpp"
 
@@ -27,6 +28,7 @@ struct ContactTotals {
   double energy = 0;          // J, of the springs; of smooth faces alone
   Real deflection_work{0.0};  // sum of f_n times the rise of its deflection; one part a lane
   int nodes = 0;              // in contact, listed in WorkSpace::contact_list
+  ListedContact listed;       // at single nodes, for SteadyShocks
 };
 
 /// Expands one slider node over one window: the parts of its overlap and its modal force.
@@ -35,10 +37,9 @@ struct ContactTotals {
 /// under equation 6). A pure function of node and window: it gives the same bits whatever a
 /// node is evaluated for.
 template <class Lanes, int packs>
-KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& motion,
-                                        const FaceTables& faces, const SliderShapes& slider,
-                                        const PatchTables& patches, const Place& place, int node,
-                                        double* shape, double* face) {
+KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const FaceTables& faces,
+                                        const SliderShapes& slider, const PatchTables& patches,
+                                        const Place& place, int node, double* shape, double* face) {
   using Real = typename Lanes::Real;
   RA2D_CHECK(node >= 0 && node < faces.nodes);
   const RowTables& rows = faces.rows;
@@ -46,8 +47,7 @@ KOKKOS_INLINE_FUNCTION void expand_node(const Lanes& lanes, const SliderMotion& 
   const int j = rows.across == nullptr ? 0 : node / slider.row, i = node - j * slider.row;
   const int at = place.base + i;
   Real c[4][packs];
-  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes,
-                             at + (place.part + 0.5) * motion.window_width, c);
+  expand_modes<Lanes, packs>(lanes, patches, at / patches.nodes, at + place.middle, c);
   const std::int64_t row = slider.row;
   for (int k = 0; k < slider.modes; ++k)
     for (int p = 0; p < filled<packs>(lanes); ++p)
@@ -79,14 +79,15 @@ class NodeContact {
  public:
   RA2D_FUNCTION NodeContact(const Lanes& lanes, const SliderMotion& motion, const FaceTables& faces,
                             const SliderShapes& slider, const PatchTables& patches,
-                            const ContactTables& contact, Marks& marks, Caches& caches,
-                            ContactList& contact_list)
+                            const ContactTables& contact, Marks& marks, const Caches& caches,
+                            const ContactList& contact_list)
       : lanes_{lanes},
         motion_{motion},
         faces_{faces},
         slider_{slider},
         patches_{patches},
         contact_{contact},
+        penalty_{contact.node_stiffness},
         marks_{marks},
         caches_{caches},
         contact_list_{contact_list},
@@ -130,11 +131,12 @@ class NodeContact {
   /// Overlap -g of an expanded node whose shapes are phi [m].
   KOKKOS_FORCEINLINE_FUNCTION double overlap(int node, double theta, const Real* phi,
                                              const Real* u) const {
-    return overlap_at(slot(node), theta, phi, u);
+    return overlap_at(face(node, theta), phi, u);
   }
   /// The rough faces' part of the overlap of an expanded node [m].
   KOKKOS_FORCEINLINE_FUNCTION double face(int node, double theta) const {
-    return face_at(slot(node), theta);
+    const int at = slot(node);
+    return Kokkos::fma(theta, rise_at(at), height_at(at));
   }
   /// Cubics of all modes at an expanded node over the window: (derivative, lane).
   KOKKOS_FORCEINLINE_FUNCTION const double* expanded(int node) const {
@@ -236,41 +238,61 @@ class NodeContact {
                                                              bool recorded = true) const {
     if (faces_.smooth) [[unlikely]]
       return in_cells(place, u, nodes, count, force, recorded);
-    const Penalty penalty{contact_.node_stiffness};
-    ContactTotals<Real> totals;
-    Real slope_force[packs];  // sum_n f_n dphi/dx
-    for (int p = 0; p < filled<packs>(lanes_); ++p) slope_force[p] = Real(0.0);
-    for (int e = 0; e < count; ++e) {
-      const int node = nodes[e];
-      const int at = slot(node);
-      Real phi[packs], slope[packs];
-      shapes_at(at, place.offset, phi, slope);
-      const double over = overlap_at(at, place.theta, phi, u);
-      if (!(over >= 0.0)) continue;
-
-      const double f = penalty.force(over);
-      for (int p = 0; p < filled<packs>(lanes_); ++p) {
-        force[p] = multiply_add(-f, phi[p], force[p]);
-        slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
-      }
-      totals.face_work = Kokkos::fma(f, rise_at(at), totals.face_work);
-      totals.force += f;
-      RA2D_CHECK(totals.nodes < faces_.nodes);
-      if (recorded && lanes_.leader()) {
-        contact_list_.nodes[totals.nodes] = node;
-        contact_list_.forces[totals.nodes] = f;
-      }
-      ++totals.nodes;
-    }
-    if (totals.nodes > 0) {
-      for (int p = 0; p < filled<packs>(lanes_); ++p)
-        totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
-      lanes_.sync();
-    }
-    return totals;
+    if (count == 0) return {};
+    return at_nodes<true>(place, u, nodes, count, force, recorded && lanes_.leader(), ~0u);
+  }
+  /// As above for one node or more of a plane scene with rough faces; neither lists nor counts
+  /// those in contact. `second`: see ListedContact.
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> unlisted(const Place& place, const Real* u,
+                                                           const int* nodes, int count, Real* force,
+                                                           std::uint32_t second) const {
+    return at_nodes<false>(place, u, nodes, count, force, false, second);
   }
 
  private:
+  template <bool lists>
+  KOKKOS_FORCEINLINE_FUNCTION ContactTotals<Real> at_nodes(const Place& place, const Real* u,
+                                                           const int* nodes, int count, Real* force,
+                                                           bool writes,
+                                                           std::uint32_t second) const {
+    ContactTotals<Real> totals;
+    Real slope_force[packs];  // sum_n f_n dphi/dx
+    for (int p = 0; p < filled<packs>(lanes_); ++p) slope_force[p] = Real(0.0);
+    std::uint32_t bit = 1;
+    int e = 0;
+    do {
+      const int node = nodes[e];
+      const int at = lists ? slot(node) : node;
+      Real phi[packs], slope[packs];
+      shapes_at(at, place.offset, phi, slope);
+      const double rise = rise_at(at);
+      const double over = overlap_at(Kokkos::fma(place.theta, rise, height_at(at)), phi, u);
+      if (over >= 0.0) {
+        const double f = penalty_.pressing(over);
+        for (int p = 0; p < filled<packs>(lanes_); ++p) {
+          force[p] = multiply_add(-f, phi[p], force[p]);
+          slope_force[p] = multiply_add(f, slope[p], slope_force[p]);
+        }
+        totals.face_work = Kokkos::fma(f, rise, totals.face_work);
+        totals.force += f;
+        totals.listed.add(bit, second, node, f);
+        if constexpr (lists) {
+          RA2D_CHECK(totals.nodes < faces_.nodes);
+          if (writes) {
+            contact_list_.nodes[totals.nodes] = node;
+            contact_list_.forces[totals.nodes] = f;
+          }
+          ++totals.nodes;
+        }
+      }
+      bit <<= 1;
+    } while (++e < count);
+    if (lists && totals.nodes == 0) return totals;
+    for (int p = 0; p < filled<packs>(lanes_); ++p)
+      totals.deflection_work = multiply_add(slope_force[p], u[p], totals.deflection_work);
+    if constexpr (lists) lanes_.sync();
+    return totals;
+  }
   /// Contact between smooth faces, in the listed cells.
   RA2D_FUNCTION ContactTotals<Real> in_cells(const Place& place, const Real* u, const int* cells,
                                              int count, Real* force, bool recorded) const {
@@ -354,25 +376,25 @@ class NodeContact {
       slope[p] = multiply_add(multiply_add(c3, x, c2), x, c1);
     }
   }
-  KOKKOS_FORCEINLINE_FUNCTION double overlap_at(int slot, double theta, const Real* phi,
-                                                const Real* u) const {
+  KOKKOS_FORCEINLINE_FUNCTION double overlap_at(double face, const Real* phi, const Real* u) const {
     Real product = phi[0] * u[0];
     for (int p = 1; p < filled<packs>(lanes_); ++p) product = multiply_add(phi[p], u[p], product);
-    return face_at(slot, theta) + lanes_.sum(product);
+    return face + lanes_.sum(product);
   }
-  KOKKOS_FORCEINLINE_FUNCTION double face_at(int slot, double theta) const {
-    return Kokkos::fma(theta, rise_at(slot), caches_.node_face[2 * slot]);
+  /// The faces' part of the overlap at the resonator's node before it.
+  KOKKOS_FORCEINLINE_FUNCTION double height_at(int slot) const {
+    return caches_.node_face[std::int64_t{2} * slot];
   }
   KOKKOS_FORCEINLINE_FUNCTION double rise_at(int slot) const {
-    return caches_.node_face[2 * slot + 1];
+    return caches_.node_face[std::int64_t{2} * slot + 1];
   }
   /// Expands a node or cell in this slot of the caches.
   RA2D_FUNCTION void expand_in(int slot, const Place& place, int node) const {
     if (faces_.smooth) [[unlikely]]
-      expand_cell<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+      expand_cell<Lanes, packs>(lanes_, faces_, slider_, patches_, place, node,
                                 cells_.shapes_in(slot), cells_.face_in(slot));
     else
-      expand_node<Lanes, packs>(lanes_, motion_, faces_, slider_, patches_, place, node,
+      expand_node<Lanes, packs>(lanes_, faces_, slider_, patches_, place, node,
                                 caches_.node_shape + offset_of(slot), caches_.node_face + 2 * slot);
   }
   /// Areal scenes. All that is expanded is of one window.
@@ -411,9 +433,11 @@ class NodeContact {
   const SliderShapes& slider_;
   const PatchTables& patches_;
   const ContactTables& contact_;
+  const Penalty penalty_;
   Marks& marks_;
-  Caches& caches_;
-  ContactList& contact_list_;
+  // copies: they hold nothing but addresses
+  const Caches caches_;
+  const ContactList contact_list_;
   ExpandedCells<Lanes, packs> cells_;
   int* node_slot_;  // Marks
 };

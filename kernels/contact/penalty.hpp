@@ -15,6 +15,8 @@ struct Penalty {
   KOKKOS_FORCEINLINE_FUNCTION Real force(const Real& overlap) const {
     return Real(stiffness) * Kokkos::max(overlap, Real(0.0));
   }
+  /// Where the bodies touch: the overlap is not negative.
+  KOKKOS_FORCEINLINE_FUNCTION double pressing(double overlap) const { return stiffness * overlap; }
 };
 
 }  // namespace ra2d

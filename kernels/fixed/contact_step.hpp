@@ -39,7 +39,7 @@ class ListedNodes {
                                         double share) const {
     place.move_to(motion, step, share);
   }
-  static constexpr bool may_end = true, may_lack_room = false, serves_samples = true;
+  static constexpr bool may_end = true, may_lack_room = false, serves_samples = true, lasts = true;
   /// Where forces are counted, once a step, which ended with `force` [N] and had no more than
   /// `most` [N] during the search for it, or at its stages: whether the list held at every state
   /// evaluated (ContactForecast).
@@ -93,7 +93,8 @@ class SearchedNodes {
                           double share) const {
     place = Place(motion, step, share);
   }
-  static constexpr bool may_end = false, may_lack_room = true, serves_samples = false;
+  static constexpr bool may_end = false, may_lack_room = true, serves_samples = false,
+                        lasts = false;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
 
  private:
@@ -135,7 +136,7 @@ class KeptNodes {
                                         double share) const {
     place = Place(motion, step, share);
   }
-  static constexpr bool may_end = false, may_lack_room = true, serves_samples = true;
+  static constexpr bool may_end = false, may_lack_room = true, serves_samples = true, lasts = false;
   KOKKOS_FORCEINLINE_FUNCTION bool covers(double, double) const { return true; }
   /// Gaps, of all states so far.
   KOKKOS_FORCEINLINE_FUNCTION std::int64_t evaluated() const { return evaluated_; }
@@ -227,16 +228,38 @@ class ContactStep {
     const int count = nodes.find(y.u, y.v, place);
     if (NodesToEvaluate::may_lack_room && count < 0) [[unlikely]]
       return fail(Solution::crowded);
-    const ContactTotals<Real> totals =
-        NodesToEvaluate::serves_samples && recorder.has_contact(y.step)
-            ? recorder.contact(force)
-            : node_contact_(place, y.u, listed_nodes_, count, force);
-    recorder.take_contact(totals, place, y.step);
+    ContactTotals<Real> totals;
+    if (!lasts(place, y, nodes, count, force, totals, recorder)) {
+      const bool sampled = NodesToEvaluate::serves_samples && recorder.has_contact(y.step);
+      totals = sampled ? recorder.contact(force)
+                       : node_contact_(place, y.u, listed_nodes_, count, force);
+      recorder.take_contact(totals, place, y.step);
+      if (NodesToEvaluate::lasts && !sampled) recorder.hold_contact(totals, count);
+      lanes_.sync();
+    }
     y.deflection_work = y.deflection_work + totals.deflection_work;
-    lanes_.sync();
     integrate_.advance(y.u, y.v, y.square, force, w);
     if (outer_.any_move()) recorder.take_force_work(outer_.work(moving, y.v));
     return true;
+  }
+
+  /// The usual case of a step's contact: whether the same nodes of a list touch as a step ago. Then
+  /// it is in the record, and nothing is read or written for that.
+  template <class NodesToEvaluate>
+  KOKKOS_FORCEINLINE_FUNCTION bool lasts(const Place& place, const Motion<Lanes, packs>& y,
+                                         const NodesToEvaluate&, int count, Real* force,
+                                         ContactTotals<Real>& totals, Recorder& recorder) const {
+    if constexpr (NodesToEvaluate::lasts) {
+      if (!recorder.contact_may_last(y.step)) return false;
+      Real pressed[packs];
+      for (int p = 0; p < filled<packs>(lanes_); ++p) pressed[p] = force[p];
+      totals =
+          node_contact_.unlisted(place, y.u, listed_nodes_, count, pressed, recorder.second_run());
+      if (!recorder.take_lasting_contact(totals, place)) return false;
+      for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = pressed[p];
+      return true;
+    }
+    return false;
   }
 
   /// With the contact force at each stage, `most` of them.

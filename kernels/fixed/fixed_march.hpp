@@ -118,18 +118,20 @@ class FixedMarch {
     List nodes;
     bool searches = false;  // the next step, instead of making a list
     Motion<Lanes, packs> y = now_;
-    Place place(tables_.motion, y.step);
+    const SliderMotion motion = tables_.motion;  // a copy stays in registers
+    Place place(motion, y.step);
     recorder_.begin_stretch();
     while (true) {
       lanes_.meet_in_warp();
-      if (nodes.left() == 0 || !can_record_shocks()) {
+      if (nodes.left() == 0 || !recorder_.has_room()) {
         now_ = y;  // of which calls take the address: y stays in registers
         const bool listed = march_to_list(stop, searches, nodes);
         y = now_;
         if (!listed) break;
-        place = Place(tables_.motion, y.step);
+        recorder_.begin_list();
+        place = Place(motion, y.step);
       }
-      place.move_to(tables_.motion, y.step);
+      place.move_to(motion, y.step);
       if (contact_step_(y, w, place, nodes, recorder_)) {
         nodes.take_step();
       } else {  // the list does not cover this step

@@ -182,6 +182,7 @@ class FixedRecorder {
   /// end_stretch writes them back.
   RA2D_FUNCTION void begin_stretch() {
     stretch_ = {sums_.face_work_part, sums_.gross_face_work, sums_.contact_steps, sums_.most_nodes};
+    has_room_ = can_record_shocks(ended_, runs_);
   }
   RA2D_FUNCTION void end_stretch() {
     lanes_.sync();
@@ -190,8 +191,8 @@ class FixedRecorder {
       sums_.gross_face_work = stretch_.gross_face_work;
       sums_.contact_steps = stretch_.contact_steps;
       sums_.most_nodes = stretch_.most_nodes;
-      steady_.put_back(shocks_);
     }
+    steady_.put_back(shocks_, lanes_.leader());
     lanes_.sync();
   }
 
@@ -206,29 +207,42 @@ class FixedRecorder {
                                                 const Place& place, std::int64_t step) {
     if constexpr (form == Form::implicit)  // an impact's whole impulse may fall into one step
       usual_force_ += 0.125 * (totals.force - usual_force_);
-    else if (totals.nodes > 0)
-      usual_force_ = totals.force;
     if (totals.nodes > 0) {
-      stretch_.face_work_part += totals.face_work;
-      stretch_.gross_face_work += Kokkos::abs(totals.face_work);
-      ++stretch_.contact_steps;
+      add(totals);
       if (totals.nodes > stretch_.most_nodes) stretch_.most_nodes = totals.nodes;
-    } else if (shocks_.open_count > 0) {
-      lanes_.sync();  // what ends is about to be written
-    }
-    if (!lanes_.leader()) return;
-    if (totals.nodes > 0) {
-      ra2d::take_contact(steady_, shocks_, runs_, ended_, contact_list_, totals.nodes, step,
+      ra2d::take_contact(lanes_, steady_, shocks_, runs_, ended_, contact_list_, totals.nodes, step,
                          place.position);
+      has_room_ = can_record_shocks(ended_, runs_);
     } else if (shocks_.open_count > 0) {
       end_open_shocks(step);
     }
   }
+  /// Whether the buffer of ended shocks can take those of another step.
+  KOKKOS_FORCEINLINE_FUNCTION bool has_room() const { return has_room_; }
+  /// Whether the contact at this step may be that of the same nodes of a list as a step ago.
+  KOKKOS_FORCEINLINE_FUNCTION bool contact_may_last(std::int64_t step) const {
+    return steady_.lasts_to(step);
+  }
+  /// For NodeContact: see ListedContact.
+  KOKKOS_FORCEINLINE_FUNCTION std::uint32_t second_run() const { return steady_.second(); }
+  /// As take_contact, if it is; contact_list is not needed for it. False, with nothing changed, if
+  /// not.
+  KOKKOS_FORCEINLINE_FUNCTION bool take_lasting_contact(const ContactTotals<Real>& totals,
+                                                        const Place& place) {
+    if (!steady_.take(totals.listed, place.position)) return false;
+    add(totals);
+    return true;
+  }
+  /// After take_contact: at the next step it may last, of the same list of `length` nodes.
+  KOKKOS_FORCEINLINE_FUNCTION void hold_contact(const ContactTotals<Real>& totals, int length) {
+    steady_.hold(totals.listed.nodes, length);
+  }
+  /// Nodes are listed anew.
+  KOKKOS_FORCEINLINE_FUNCTION void begin_list() { steady_.begin_list(); }
   /// There is no contact from this step until the next take_contact.
   KOKKOS_FORCEINLINE_FUNCTION void take_flight(std::int64_t step) {
     // contact is recorded at the beginning of a step, or (Form::implicit) at its end
-    if (lanes_.leader() && shocks_.open_count > 0)
-      end_open_shocks(form == Form::implicit ? step + 1 : step);
+    if (shocks_.open_count > 0) end_open_shocks(form == Form::implicit ? step + 1 : step);
   }
   KOKKOS_FORCEINLINE_FUNCTION void take_force_work(double work) {
     if (lanes_.leader()) sums_.force_part += work;
@@ -266,13 +280,23 @@ class FixedRecorder {
   struct {
     double face_work_part, gross_face_work;
     std::int64_t contact_steps, most_nodes;
-  } stretch_{};          // of RunningSums
-  SteadyShocks steady_;  // of the leader
+  } stretch_{};  // of RunningSums
+  SteadyShocks steady_;
+  bool has_room_ = true;  // see has_room(): only what ends shocks changes it
 
-  /// The leader alone.
+  /// Within a stretch: adds what a contact gives.
+  KOKKOS_FORCEINLINE_FUNCTION void add(const ContactTotals<Real>& totals) {
+    if constexpr (form != Form::implicit) usual_force_ = totals.force;
+    stretch_.face_work_part += totals.face_work;
+    stretch_.gross_face_work += Kokkos::abs(totals.face_work);
+    ++stretch_.contact_steps;
+  }
   RA2D_FUNCTION void end_open_shocks(std::int64_t step) {
-    steady_.put_back(shocks_);
-    end_shocks(shocks_, ended_, step);
+    lanes_.sync();
+    steady_.put_back(shocks_, lanes_.leader());
+    if (lanes_.leader()) end_shocks(shocks_, ended_, step);
+    lanes_.sync();
+    has_room_ = can_record_shocks(ended_, runs_);
   }
 
   /// Sample j stands at step j steps_per_sample: between two steps it is interpolated linearly.

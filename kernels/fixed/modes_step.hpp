@@ -49,7 +49,7 @@ class ModesStep {
  public:
   RA2D_FUNCTION ModesStep(const Lanes& lanes, const SliderMotion& motion,
                           const SchemeWeights& scheme, const OuterForces<Lanes, packs>& outer)
-      : lanes_{lanes}, motion_{motion}, scheme_{scheme}, outer_{outer} {}
+      : lanes_{lanes}, scheme_{scheme}, outer_{outer}, time_step_{motion.time_step} {}
 
   /// The weights of a free step; the others are read where they are needed.
   struct Weights {
@@ -76,7 +76,7 @@ class ModesStep {
   /// Form::semi_implicit: one step under the modal forces `force`.
   KOKKOS_FORCEINLINE_FUNCTION void advance(Real* u, Real* v, Real* square, const Real* force,
                                            const Weights& w) const {
-    const Real tau(motion_.time_step);
+    const Real tau(time_step_);
     for (int p = 0; p < filled<packs>(lanes_); ++p) {
       advance_semi_implicit(u[p], v[p], w.v_v[p], w.v_u[p], w.v_f[p] * force[p], tau);
       square[p] = multiply_add(v[p], v[p], square[p]);
@@ -148,9 +148,9 @@ class ModesStep {
 
  private:
   Lanes lanes_;
-  const SliderMotion& motion_;
   const SchemeWeights& scheme_;
   OuterForces<Lanes, packs> outer_;
+  double time_step_;  // s
 
   KOKKOS_FORCEINLINE_FUNCTION Real end(int row, int p) const {
     return lanes_.load(scheme_.end + (row * packs + p) * width);

@@ -18,17 +18,23 @@ class OuterForces {
  public:
   RA2D_FUNCTION OuterForces(const Lanes& lanes, const ModeTables& modes, const SliderMotion& motion,
                             const PatchTables& patches, const MovingForces& forces)
-      : lanes_{lanes}, modes_{modes}, motion_{motion}, patches_{patches}, forces_{forces} {}
+      : lanes_{lanes},
+        motion_{motion},
+        patches_{patches},
+        forces_{forces},
+        any_move_{forces.count > 0} {
+    for (int p = 0; p < filled<packs>(lanes); ++p) load_[p] = load_pack(lanes, modes.load, p);
+  }
 
   /// Pack p of the constant load.
-  KOKKOS_FORCEINLINE_FUNCTION Real load(int p) const { return load_pack(lanes_, modes_.load, p); }
+  KOKKOS_FORCEINLINE_FUNCTION Real load(int p) const { return load_[p]; }
   /// Whether there are moving forces.
-  KOKKOS_FORCEINLINE_FUNCTION bool any_move() const { return forces_.count > 0; }
+  KOKKOS_FORCEINLINE_FUNCTION bool any_move() const { return any_move_; }
 
   /// The sum of both at a step; the moving forces alone in `moving`, where there are any.
   KOKKOS_FORCEINLINE_FUNCTION void operator()(std::int64_t step, Real* force, Real* moving) const {
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = load(p);
-    if (forces_.count == 0) return;
+    if (!any_move_) return;
     this->moving(step, 0.0, moving);
     for (int p = 0; p < filled<packs>(lanes_); ++p) force[p] = force[p] + moving[p];
   }
@@ -59,10 +65,12 @@ class OuterForces {
 
  private:
   Lanes lanes_;
-  const ModeTables& modes_;
   const SliderMotion& motion_;
   const PatchTables& patches_;
   const MovingForces& forces_;
+  // copies, which stay in registers
+  bool any_move_;
+  Real load_[packs];
 };
 
 }  // namespace ra2d

@@ -57,8 +57,8 @@ TEST(FilledTables, MakeANodesShapesToRoundings) {
         at.motion.position =
             dice.uniform(0, f.model.resonator_height.size() - f.t.faces.nodes - 1.0);
         const Place place(at.motion, 0);
-        expand_node<HostLanes, packs>(lanes, at.motion, at.faces, at.slider, at.patches, place,
-                                      node, shape.data(), face.data());
+        expand_node<HostLanes, packs>(lanes, at.faces, at.slider, at.patches, place, node,
+                                      shape.data(), face.data());
         for (const double side : {-0.5, 0.5}) {
           const double o = side * at.motion.window_width;
           const double x =
@@ -128,8 +128,8 @@ TEST(FilledTables, OfRowsGiveTheOverlapsOfTheModel) {
           }
           ASSERT_NEAR(seen[lane], expected[j * nodes + i], left_out + roundings)
               << "row " << j << ", node " << i;
-          expand_node<HostLanes, packs>(lanes, f.t.motion, f.t.faces, f.t.slider, f.t.patches,
-                                        place, node, shape.data(), face.data());
+          expand_node<HostLanes, packs>(lanes, f.t.faces, f.t.slider, f.t.patches, place, node,
+                                        shape.data(), face.data());
           double sum = face[0] + place.theta * face[1];
           for (int k = 0; k < packs * width; ++k) {
             const auto c = [&](int m) { return shape[m * packs * width + k]; };

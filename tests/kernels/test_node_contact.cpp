@@ -56,8 +56,7 @@ TEST(ExpandNode, CubicAboutTheWindowsMiddle) {
     ASSERT_EQ(at / patch_nodes, 1) << "the test means patch 1";
     std::array<double, 4 * stride> shape;
     double face[2];
-    expand_node<HostLanes, K>(lanes, t.motion, t.faces, t.slider, t.patches, place, node,
-                              shape.data(), face);
+    expand_node<HostLanes, K>(lanes, t.faces, t.slider, t.patches, place, node, shape.data(), face);
     const double y = at + 0.25 - 1.5 * patch_nodes;  // the middle of the first half chi
     EXPECT_EQ(shape[0], y * y * y + 2 * y * y - 3 * y + 5);
     EXPECT_EQ(shape[stride], 3 * y * y + 4 * y - 3);

@@ -27,7 +27,7 @@ using test::K, test::eps, test::modes, test::width;
 
 /// Modes of all kinds, one a lane, and three nodes that slide over them. A node's shapes are the
 /// cubics of a cos(beta o + phase), a the largest shape, o its offset; in chi, here 1 m.
-struct Bodies {
+struct BodyTables {
   static constexpr int nodes = 3;
   std::vector<Mode> mode;
   std::vector<double> load, mass, omega, decay, inverse_mass, wander, turn, largest_shape, tail;
@@ -37,15 +37,11 @@ struct Bodies {
   std::vector<Hull> hulls = std::vector<Hull>(nodes);
   SceneTables t;
   SceneState s;
-  NodeContact<HostLanes, K> contact;
-  ModalSeries<HostLanes, K> motion;
   Amplitudes u, v;
   double quickest = 0;
 
   /// `speed` [chi/s], `stiffness` of a node [N/m]; the first `touching` nodes are closed.
-  Bodies(Dice& dice, double tolerance, double speed, double stiffness, int touching)
-      : contact{test::node_contact_of<K>(t, s)},
-        motion{(s.work.spans.hulls = hulls.data(), test::series_of<K>(t, s))} {
+  BodyTables(Dice& dice, double tolerance, double speed, double stiffness, int touching) {
     const double zetas[] = {0.0, 0.02, 1e-3, 0.3, 1.0, 2.0};
     for (int k = 0; k < modes; ++k) {
       Mode m{dice.ratio(1e3, 1e5), zetas[dice.pick(6)], dice.ratio(0.1, 10)};
@@ -99,9 +95,21 @@ struct Bodies {
     s.carried.contacts.nodes = closed.data(), s.carried.contacts.count = touching,
     s.work.spans.hulls = hulls.data();
   }
-  Bodies(const Bodies&) = delete;
+  BodyTables(const BodyTables&) = delete;
 
   Place place() const { return {t.motion, 0}; }
+};
+
+/// Their motion. The kernels keep addresses, so they come after the tables.
+struct Bodies : BodyTables {
+  NodeContact<HostLanes, K> contact;
+  ModalSeries<HostLanes, K> motion;
+
+  Bodies(Dice& dice, double tolerance, double speed, double stiffness, int touching)
+      : BodyTables(dice, tolerance, speed, stiffness, touching),
+        contact{test::node_contact_of<K>(t, s)},
+        motion{test::series_of<K>(t, s)} {}
+
   void expand(double scale) {
     Real pu[K], pv[K];
     for (int p = 0; p < K; ++p) {
