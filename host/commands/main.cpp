@@ -136,13 +136,9 @@ int dispatch(Words words) {
 int give_up(const char* fault, int status) {
   using namespace ra2d;
   Ranks* const ranks = joined_ranks();
-  if (ranks == nullptr) {
-    // a wrong request is wrong on every rank, and rank 0 says so
-    if (status == exit_status::wrong_request && launch().rank > 0) return exit_status::done;
-    say(fault);
-    return status;
-  }
-  say(ranks->rank() > 0 ? fmt::format("rank {}: {}", ranks->rank(), fault) : fault);
+  const int rank = launch().rank;
+  say(rank > 0 ? fmt::format("rank {}: {}", rank, fault) : fault);
+  if (ranks == nullptr) return status;
   ranks->report({.ended = RankReport::fault});
   ranks->abort(status);
   return status;

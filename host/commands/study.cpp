@@ -59,6 +59,14 @@ Shard to_shard(const std::string& text) {
   return shard;
 }
 
+/// The words that say which runs are to be made.
+std::string words_of(const StudyRequest& request) {
+  std::string words = "--shard " + request.shard;
+  if (request.retry_failed) words += " --retry-failed";
+  for (const std::string& change : request.overrides) words += " --set " + change;
+  return words;
+}
+
 std::string state_of(const FinishedRun* run) {
   if (run == nullptr) return "missing";
   if (run->status == RunStatus::done) return fmt::format("done     Lv {:.2f} dB", run->figures.lv);
@@ -179,6 +187,7 @@ int run_study_file(const StudyRequest& request) {
   const Shard shard = to_shard(request.shard);
   if (request.list || request.dry_run) require_one_process();
   Ranks* const ranks = join_ranks();
+  if (ranks != nullptr) require_one_request(*ranks, words_of(request));
   std::string why_fewer;
   const int threads = usable_threads(request.threads > 0 ? request.threads
                                      : ranks != nullptr  ? ranks->threads()

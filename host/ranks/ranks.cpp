@@ -91,7 +91,8 @@ void require_one_process() {
   if (const int size = launch().size; size > 1)
     throw RequestError(fmt::format(
         "mpirun started {} processes, but they share nothing except the runs of a study "
-        "(ra2d study STUDY.toml -o DIR): leave mpirun out for this",
+        "(ra2d study STUDY.toml -o DIR): leave mpirun out for this. If each of them has work of "
+        "its own, start ra2d in it by 'env -u OMPI_COMM_WORLD_SIZE -u PMI_SIZE -u PMIX_RANK'",
         size));
 }
 

@@ -102,7 +102,7 @@ void run_jobs(const StudyRuns& runs, const StudyMarch& march, LedgerWriter& ledg
 
   StudyOutcome own;
   if (march.ranks != nullptr) {
-    give_work(*march.ranks, runs.points.study(), runs.census, work);
+    give_work(*march.ranks, march.folder, runs.points.study(), runs.census, work);
     options.next_job = [&] { return march.ranks->next_number(); };
   }
   if (!work.jobs.empty()) {

@@ -23,6 +23,8 @@ struct StudyFolder {
   std::filesystem::path ledgers() const { return path / "ledger"; }
   /// Of ranks under mpirun each has its own; one process writes that of rank 0.
   std::filesystem::path ledger(const Shard& shard, int rank = 0) const;
+  /// Of the launch that runs here under mpirun: what rank 0 writes for the others to see.
+  std::filesystem::path launch() const { return ledgers() / "launch"; }
   /// Results of runs where they are kept, and checkpoints of runs on their way.
   std::filesystem::path results() const { return path / "runs"; }
   /// The result of a run by its key (run_key), relative to the folder.

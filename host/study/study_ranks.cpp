@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "host/base/exit_status.hpp"
 #include "host/device/backend.hpp"
 #include "host/system/interruption.hpp"
+#include "host/system/partial_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -42,12 +44,21 @@ void end_if_another_gave_up(Ranks& ranks) {
       throw FileError(fmt::format("rank {} has given up; what is finished is kept", rank));
 }
 
-/// The runs that this rank takes from the list. `text` and `keys`: the study and the keys of its
-/// points, as rank 0 has them.
+/// A number that no other launch has, as text.
+std::string name_of_launch() {
+  std::random_device random;
+  return fmt::format("{:08x}{:08x}{:08x}{:08x}\n", random(), random(), random(), random());
+}
+
+/// The runs that this rank takes from the list. `name`, `text` and `keys`: of the launch, the study
+/// and the keys of its points, as rank 0 has them.
 RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
-                        const RankOptions& choices, const std::string& text,
-                        const std::vector<Key128>& keys, const StudyWork& work) {
-  if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text)
+                        const RankOptions& choices, const std::string& name,
+                        const std::string& text, const std::vector<Key128>& keys,
+                        const StudyWork& work) {
+  // a copy of the folder may have the same study
+  if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text ||
+      read_text(folder.launch(), "the launch's name", name.size() + 1) != name)
     throw FileError(
         fmt::format("'{}' is not the folder that rank 0 sees: all ranks need one that "
                     "they share, by the same name",
@@ -86,10 +97,24 @@ RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& sh
 
 }  // namespace
 
-void give_work(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work) {
-  std::string text = snapshot_text(study);
+void require_one_request(Ranks& ranks, const std::string& words) {
+  std::string first = words;
+  share(ranks, first);
+  if (first != words)
+    throw RequestError(
+        fmt::format("it was started with '{}', rank 0 with '{}'. The ranks of a launch share one "
+                    "study: give all the same words. Parts of a study (--shard) each have a launch "
+                    "of their own (with srun: --mpi=none)",
+                    words, first));
+}
+
+void give_work(Ranks& ranks, const StudyFolder& folder, const Study& study,
+               const PointCensus& census, const StudyWork& work) {
+  std::string name = name_of_launch(), text = snapshot_text(study);
   std::vector<Key128> keys = census.keys;
   std::vector<std::size_t> jobs = work.jobs;
+  write_text(folder.launch(), name);
+  share(ranks, name);
   share(ranks, text);
   share(ranks, keys);
   share(ranks, jobs);
@@ -97,15 +122,17 @@ void give_work(Ranks& ranks, const Study& study, const PointCensus& census, cons
 
 void help_with_study(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
                      const RankOptions& choices) {
-  std::string text;
+  std::string name, text;
   std::vector<Key128> keys;
   StudyWork work;
+  share(ranks, name);
   share(ranks, text);
   share(ranks, keys);
   share(ranks, work.jobs);
   const OrderlyEnd orderly;
   RankReport report;
-  if (!work.jobs.empty()) report = run_own_part(ranks, folder, shard, choices, text, keys, work);
+  if (!work.jobs.empty())
+    report = run_own_part(ranks, folder, shard, choices, name, text, keys, work);
   report.ended = interruption();
   report.threads = choices.threads;
   ranks.report(report);

@@ -11,8 +11,14 @@
 /// their runs from one list, and each writes a ledger of its own.
 namespace ra2d {
 
-/// On rank 0, once the study is in its folder: gives the other ranks the list of runs.
-void give_work(Ranks& ranks, const Study& study, const PointCensus& census, const StudyWork& work);
+/// At first, on all ranks: throws RequestError where a rank was started with other words than rank
+/// 0. `words`: those that say which runs are to be made.
+void require_one_request(Ranks& ranks, const std::string& words);
+
+/// On rank 0, once the study is in its folder: gives the other ranks the list of runs. Throws
+/// FileError.
+void give_work(Ranks& ranks, const StudyFolder& folder, const Study& study,
+               const PointCensus& census, const StudyWork& work);
 
 /// How a rank marches its runs.
 struct RankOptions {

@@ -7,17 +7,37 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <string>
 
 namespace ra2d {
 
 std::int64_t machine_memory() {
   std::int64_t most = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
-  for (const char* file :
-       {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"})
+  return std::min(most, group_memory("/proc/self/cgroup", "/sys/fs/cgroup"));
+}
+
+std::int64_t group_memory(const std::filesystem::path& groups, const std::filesystem::path& root) {
+  std::int64_t least = std::numeric_limits<std::int64_t>::max();
+  const auto read = [&](const std::filesystem::path& file) {
     if (std::int64_t limit = 0; std::ifstream(file) >> limit && limit > 0)  // or the word "max"
-      most = std::min(most, limit);
-  return most;
+      least = std::min(least, limit);
+  };
+  const auto read_all = [&](std::filesystem::path group) {
+    for (;; group = group.parent_path()) {
+      read(root / group / "memory.max");                        // version 2
+      read(root / "memory" / group / "memory.limit_in_bytes");  // version 1
+      if (group.empty()) return;
+    }
+  };
+  read_all({});  // a container sees its own group as the root, whatever it is called outside
+  std::ifstream lines(groups);
+  for (std::string line;
+       std::getline(lines, line);) {  // number:kinds:/path, without kinds in version 2
+    const std::size_t kinds = line.find(':'), path = line.find(":/", kinds + 1);
+    if (path != std::string::npos) read_all(line.substr(path + 2));
+  }
+  return least;
 }
 
 std::int64_t available_memory() {
