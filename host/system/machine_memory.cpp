@@ -32,11 +32,10 @@ std::int64_t group_memory(const std::filesystem::path& groups, const std::filesy
   };
   read_all({});  // a container sees its own group as the root, whatever it is called outside
   std::ifstream lines(groups);
-  for (std::string line;
-       std::getline(lines, line);) {  // number:kinds:/path, without kinds in version 2
-    const std::size_t kinds = line.find(':'), path = line.find(":/", kinds + 1);
-    if (path != std::string::npos) read_all(line.substr(path + 2));
-  }
+  // number:kinds:/path, in version 2 without kinds
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t path = line.find(":/", line.find(':') + 1); path != std::string::npos)
+      read_all(std::filesystem::path(line.substr(path + 1)).relative_path());
   return least;
 }
 

@@ -57,7 +57,7 @@ TEST_F(GroupMemory, OfAContainerStandsAtTheRoot) {
 
 TEST_F(GroupMemory, WithoutGroupsThereIsNone) {
   EXPECT_EQ(limit(), none);
-  write("groups", "no group\n0::\n:");
+  write("groups", "no group\n0::\n:\n0:://\n0:://a//b");
   EXPECT_EQ(limit(), none);
 }
 
