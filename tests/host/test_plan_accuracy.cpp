@@ -273,7 +273,7 @@ TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
   for (const double accuracy : {0.1, 1e-3}) {
     SavingsOptions options;
     options.accuracy = accuracy;
-    options.budget = 10;
+    options.budget = 100;
     const Savings found = find_savings(crossing(), options);
     SCOPED_TRACE(describe(found));
     EXPECT_NEAR(found.mean.v_rms, exact, 1e-6 * exact);
@@ -301,7 +301,7 @@ TEST(Savings, WhatModesMoveIsWhatTheyCarry) {
 TEST(Savings, OfARubbingSceneHoldForIt) {
   SavingsOptions options;
   options.accuracy = 0.1;
-  options.budget = 6;
+  options.budget = 100;
   const Scene s = rubbing();
   const Savings found = find_savings(s, options);
   const std::string text = describe(found);
@@ -342,7 +342,7 @@ Scene with_words(const Savings& found) {
 TEST(Savings, CompareLinearFacesWithSmoothOnes) {
   SavingsOptions options;
   options.accuracy = 0.1;
-  options.budget = 6;
+  options.budget = 100;
   const Savings found = find_savings(rubbing(), options);
   const std::string text = describe(found);
   SCOPED_TRACE(text);
@@ -368,7 +368,7 @@ TEST(Savings, CompareLinearFacesWithSmoothOnes) {
 TEST(Savings, CompareSmoothFacesWithLinearOnes) {
   SavingsOptions options;
   options.accuracy = 0.1;
-  options.budget = 6;
+  options.budget = 100;
   Scene s = rubbing();
   s.faces = Faces::smooth;
   s.spacing = 1e-5;  // many cells to a contact: wider ones cost less
@@ -404,7 +404,7 @@ TEST(Savings, AreNeverDearerThanTheSceneAndHaveItsOwnTolerance) {
   s.time.tolerance = 3e-4;  // loose: all that is tighter is dearer
   SavingsOptions options;
   options.accuracy = 0.2;
-  options.budget = 6;
+  options.budget = 100;
   const Savings found = find_savings(s, options);
   SCOPED_TRACE(describe(found));
   EXPECT_LE(found.cost_chosen, found.cost_written);
@@ -482,7 +482,7 @@ class PlanAccuracy : public testing::Test {
 
 TEST_F(PlanAccuracy, WritesASceneThatRuns) {
   const Ended planned =
-      run({"plan", "--accuracy", "0.01", "--budget", "5", scene_file("moving-force")});
+      run({"plan", "--accuracy", "0.01", "--budget", "100", scene_file("moving-force")});
   ASSERT_EQ(planned.status, 0) << planned.err;
   EXPECT_THAT(planned.out, AllOf(HasSubstr("resonator.modes"), HasSubstr("needed"),
                                  HasSubstr("written    moving-force-planned.toml")));
