@@ -18,6 +18,7 @@ std::string timeless_table(const std::filesystem::path& folder) {
   finished.add(StudyFolder{folder});
   for (auto& [key, run] : finished.runs) run.figures.wall_seconds = 0;
   const Folder aside;
+  finished.folders = {aside.path()};  // as from the folder's own table
   const std::filesystem::path file = aside.path() / "timeless.h5";
   write_study_table(file, points, PointCensus(points), finished);
   const StudyAnswers here = read_study_table(file), there = read_study_table(folder / "results.h5");

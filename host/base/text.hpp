@@ -27,6 +27,9 @@ std::string shortened(std::string_view text, std::size_t most = 60);
 /// Without the blanks at both ends.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r\n\v\f");
 
+/// A word as a POSIX shell takes it.
+std::string shell_word(const std::string& word);
+
 /// "a, b or c", each between `quote`s.
 std::string any_of(const std::vector<std::string>& words, std::string_view quote);
 

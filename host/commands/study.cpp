@@ -148,7 +148,7 @@ int say_study_ending(const StudyRuns& runs, const MarchedStudy& marched) {
     say("interrupted: " + kept);
     return exit_status::interrupted + marched.all.signal;
   }
-  if (marched.was_cut && marched.all.outcome.out_of_time) {
+  if (marched.was_cut) {
     say("stopped by --max-wall: " + kept);
     return exit_status::out_of_time;
   }

@@ -12,6 +12,7 @@
 #include "host/commands/print.hpp"
 #include "host/commands/study_print.hpp"
 #include "host/study/study_outputs.hpp"
+#include "host/system/output_file.hpp"
 
 namespace ra2d {
 namespace {
@@ -45,11 +46,30 @@ void require_all(const StudyRuns& runs, const fs::path& first) {
   for (const std::size_t point : runs.census.different())
     if (runs.find(point) == nullptr) missing.push_back(point);
   if (missing.empty()) return;
+  const Study& study = runs.points.study();
+  std::string given;
+  for (const std::string& text : study.given) given += " --set " + shell_word(text);
   throw RequestError(fmt::format(
-      "cannot merge: {} of {} {} missing: {}. Run them (ra2d study {} -o {}), or name the folder "
+      "cannot merge: {} of {} {} missing: {}. Run them (ra2d study {} -o {}{}), or name the folder "
       "that has them",
       missing.size(), runs_text(runs.census.different().size()), missing.size() == 1 ? "is" : "are",
-      names_of(runs.points, missing), runs.points.study().file.string(), first.string()));
+      names_of(runs.points, missing), shell_word(study.file.string()), shell_word(first.string()),
+      given));
+}
+
+/// A table of several folders is none of one of them: that folder's own command would replace it by
+/// its part.
+void require_place_of_all(const MergeRequest& request) {
+  if (request.folders.size() == 1) return;
+  std::error_code none;
+  for (const fs::path& folder : request.folders)
+    if (request.output.empty() ||
+        (fs::equivalent(folder_of(request.output), folder, none) &&
+         request.output.filename() == StudyFolder{folder}.table().filename()))
+      throw RequestError(fmt::format(
+          "'{}' is the table of the runs in its folder alone: name one for the runs of all {} "
+          "folders with -o, like -o all.h5",
+          StudyFolder{folder}.table().string(), request.folders.size()));
 }
 
 int merge(const MergeRequest& request) {
@@ -59,6 +79,7 @@ int merge(const MergeRequest& request) {
   const Study& study = runs.points.study();
   for (const fs::path& folder : folders) add_folder(runs, folder, folders.front());
   require_all(runs, folders.front());
+  require_place_of_all(request);
   const fs::path output = request.output.empty() ? home.table() : request.output;
   require_merged_table(output, study, folders, inputs_of(study, runs.census.profiles));
   write_table(runs, home, output);
@@ -81,7 +102,7 @@ void add_study_merge(CLI::App& study, ChosenCommand& chosen) {
       "makes one table of all that folders of one study hold; refuses missing runs, and "
       "different results of one run");
   command->add_option("DIR", request->folders, "folders of one study")->required()->check(path());
-  command->add_option("-o,--output", request->output, "the table [results.h5 in the first folder]")
+  command->add_option("-o,--output", request->output, "the table [of one folder its results.h5]")
       ->type_name("OUT.h5")
       ->check(path());
   command->add_flag("--quiet", request->quiet, "print nothing but errors");

@@ -5,17 +5,11 @@
 
 #include <cmath>
 
-#include "host/base/errors.hpp"
 #include "host/base/format.hpp"
 #include "host/body/body.hpp"
 #include "host/surface/random_map.hpp"
 
 namespace ra2d {
-namespace {
-
-constexpr double program_memory = 100e6;  // bytes: the program, samples on their way to the file
-
-}  // namespace
 
 double nodes_along(const Scene& scene) {
   return std::round(scene.slider.length / scene.spacing) + 1;
@@ -56,11 +50,12 @@ void require_areal_memory(const Scene& scene, double available) {
         "scene.spacing = {:.2g} or more, a smaller slider, or a shorter distance of sliding",
         coarser * 1.05);
   }
-  throw refusal(
-      scene, "scene.spacing",
-      fmt::format("{:g} m: the maps and their tables take {:.3g} GB of memory, and {:.3g} "
-                  "GB are free: expected {}",
-                  scene.spacing, needed * 1e-9, available * 1e-9, cure));
+  const RequestError fault =
+      refusal(scene, "scene.spacing",
+              fmt::format("{:g} m: the maps and their tables take {:.3g} GB of memory, and {:.3g} "
+                          "GB are free: expected {}",
+                          scene.spacing, needed * 1e-9, available * 1e-9, cure));
+  throw MemoryShortage(fault.what(), needed);
 }
 
 }  // namespace ra2d

@@ -23,7 +23,6 @@ struct RankReport {
 
   std::int64_t done = 0, failed = 0, running = 0;  // runs
   std::int64_t ended = 0;                          // the signal that ended it early, or fault
-  std::int64_t out_of_time = 0;                    // 1: its wall time was over
   std::int64_t went_on = 0, steps_saved = 0;       // from checkpoints
   std::int64_t threads = 0;
   std::int64_t busy = 0, marched = 0;  // us of all its threads together
@@ -38,6 +37,8 @@ class Ranks {
   /// Threads for this rank: the processors that it may use, divided among the ranks that may use
   /// the same ones; at least 1.
   virtual int threads() const = 0;
+  /// Ranks on this machine, this one among them.
+  virtual int neighbours() const = 0;
   /// Every rank gets the bytes of rank 0. All must call it.
   virtual void broadcast(void* bytes, std::size_t count) = 0;
   /// 0, 1, 2, ...: each number goes to one caller on one rank.

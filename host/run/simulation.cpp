@@ -39,30 +39,36 @@ class SlotFiller {
   SlotFiller(Batch& batch, std::vector<SceneRun*>& slots, const Simulation::Make& make, Begin begin)
       : batch_{batch}, slots_{slots}, make_{make}, begin_{std::move(begin)} {}
 
-  /// Empties a slot and puts the next scene there, if there is one and memory for it.
-  void fill(int slot) {
+  /// Empties a slot and puts the next scene there, if there is one; false where there is no memory
+  /// for it.
+  bool fill(int slot) {
     SceneRun*& scene = slots_[static_cast<std::size_t>(slot)];
     batch_.empty(slot);
-    scene = next();
-    if (scene == nullptr) return;
+    scene = nullptr;
     try {
-      begin_(*scene, slot);
+      scene = next();
+      if (scene != nullptr) begin_(*scene, slot);
+      return true;
     } catch (const std::bad_alloc&) {
       batch_.empty(slot);
       const std::lock_guard lock(mutex_);
-      waiting_.push_back(std::exchange(scene, nullptr));
+      if (scene != nullptr)
+        waiting_.push_back(std::exchange(scene, nullptr));
+      else
+        make_again_ = true;
+      return false;
     }
   }
 
   /// Tries again to fill the slots that a lack of memory left empty. Where no other scene could
   /// free memory any more, a scene that does not fit never will: it is handed to `too_large`.
   void fill_empty(const std::function<void(SceneRun&)>& too_large) {
+    if (make_again_.exchange(false)) all_made_ = false;  // whatever other threads were told
     for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
       while (slots_[slot] == nullptr && !(all_made_ && waiting_.empty())) {
-        fill(static_cast<int>(slot));
-        if (slots_[slot] != nullptr || waiting_.empty()) continue;
+        if (fill(static_cast<int>(slot))) continue;
         if (filled() > 0) return;
-        if (!too_large) throw std::bad_alloc();
+        if (!too_large || waiting_.empty()) throw std::bad_alloc();
         SceneRun* const refused = waiting_.back();
         waiting_.pop_back();
         too_large(*refused);
@@ -96,7 +102,7 @@ class SlotFiller {
   const Simulation::Make& make_;
   Begin begin_;
   std::atomic<std::size_t> made_ = 0;
-  std::atomic<bool> all_made_ = false;
+  std::atomic<bool> all_made_ = false, make_again_ = false;
   std::mutex mutex_;
   std::vector<SceneRun*> waiting_;  // for memory
 };

@@ -105,8 +105,10 @@ struct SimulationOptions {
 /// others waits for theirs.
 class Simulation {
  public:
-  /// Makes scene 0, 1, 2, ..., or says that there are no more. Threads make scenes side by side; a
-  /// scene must live until the run is over.
+  /// Makes another scene, or says that there are no more; the argument counts its calls. Threads
+  /// make scenes side by side; a scene must live until the run is over. Where it throws
+  /// std::bad_alloc it is called again after the next launch; when no scene is on its way, that
+  /// ends the run.
   using Make = std::function<SceneRun*(std::size_t)>;
 
   explicit Simulation(const SimulationOptions& options = {});

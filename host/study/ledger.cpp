@@ -339,10 +339,15 @@ void FinishedRuns::add(const StudyFolder& folder) {
        entry.increment(none))
     if (entry->path().extension() == ".log") files.push_back(entry->path());
   std::sort(files.begin(), files.end());
+  auto place = std::find(folders.begin(), folders.end(), folder.path);
+  if (place == folders.end()) place = folders.insert(place, folder.path);
+  const auto number = static_cast<std::size_t>(place - folders.begin());
   for (const fs::path& file : files) {
     const InputFile input(file, "the ledger");
-    read_ledger(read_all(input.descriptor(), file), file,
-                [&](FinishedRun run) { add(std::move(run), file); });
+    read_ledger(read_all(input.descriptor(), file), file, [&](FinishedRun run) {
+      run.folder = number;
+      add(std::move(run), file);
+    });
   }
 }
 

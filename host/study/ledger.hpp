@@ -61,6 +61,7 @@ struct FinishedRun {
   std::string point;    // its name in the study that ran it
   std::string message;  // why it failed; of one that is done its warnings, a line each
   std::optional<SoundFigures> sound{};  // none where the study did not ask for it
+  std::size_t folder = 0;               // of FinishedRuns::folders: where it was found
 };
 
 /// Whether two runs of one scene have come to the same, bit for bit, but for the time they took
@@ -110,6 +111,7 @@ class LedgerWriter {
 /// that has its sound, else the latest.
 struct FinishedRuns {
   std::unordered_map<Key128, FinishedRun> runs;
+  std::vector<std::filesystem::path> folders;  // of the study, that have been added
 
   /// Adds those of a folder's ledgers. Throws FileError for damage, and for two runs of one scene
   /// with other numbers, which it names.

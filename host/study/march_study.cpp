@@ -89,9 +89,11 @@ void wait_and_add_others(Ranks& ranks, const StudyWork& work, const StudyOutcome
 
 /// Runs the jobs, here and on the other ranks.
 void run_jobs(const StudyRuns& runs, const StudyMarch& march, LedgerWriter& ledger,
-              StudyCheckpoints& checkpoints, Progress& progress, MarchedStudy& marched) {
+              StudyCheckpoints& checkpoints, Progress& progress, const StudyListener& listener,
+              MarchedStudy& marched) {
   const StudyWork& work = marched.work;
   StudyOptions options;
+  options.tell = listener.tell;
   options.progress = [&](const StudyProgress& now) { progress.take(now); };
   options.keep_results = runs.points.study().keep_files;
   options.keep_sound = runs.points.study().keep_sound;
@@ -104,6 +106,7 @@ void run_jobs(const StudyRuns& runs, const StudyMarch& march, LedgerWriter& ledg
   if (march.ranks != nullptr) {
     give_work(*march.ranks, march.folder, runs.points.study(), runs.census, work);
     options.next_job = [&] { return march.ranks->next_number(); };
+    options.processes = march.ranks->neighbours();
   }
   if (!work.jobs.empty()) {
     const Backend backend(march.threads, march.device);
@@ -143,7 +146,7 @@ MarchedStudy march_study(StudyRuns& runs, const StudyMarch& march, const StudyLi
     listener.doubts(study_doubts(runs.points, runs.census));
   Progress progress(march, work, listener);
   const OrderlyEnd orderly;
-  run_jobs(runs, march, ledger, checkpoints, progress, marched);
+  run_jobs(runs, march, ledger, checkpoints, progress, listener, marched);
   if (!work.jobs.empty()) stage("");
   write_table(runs, folder, folder.table());
   marched.was_cut = marched.finished() < work.jobs.size();

@@ -16,7 +16,6 @@
 #include <utility>
 
 #include "host/base/errors.hpp"
-#include "host/model/areal_size.hpp"
 #include "host/plan/expected_work.hpp"
 #include "host/scene_file/reader.hpp"
 #include "host/scene_file/scene_file.hpp"
@@ -191,7 +190,6 @@ PointCensus::PointCensus(const StudyPoints& points,
   SharedProgress so_far(progress);
   WrongScenes wrong;
   std::atomic<bool> any_seed = false;
-  std::mutex largest;
   keys.resize(points.size());
   costs.resize(points.size());
 
@@ -208,11 +206,6 @@ PointCensus::PointCensus(const StudyPoints& points,
     const Scene scene = points.combination(point, base);
     std::fill_n(costs.begin() + static_cast<std::ptrdiff_t>(point), seeds.size(),
                 static_cast<float>(expected_work(scene).seconds()));
-    if (scene.kind == SceneKind::areal) {
-      const double memory = areal_memory(scene);
-      const std::lock_guard lock(largest);
-      most_memory = std::max(most_memory, memory);
-    }
     if (has_seed(scene)) {
       any_seed = true;
       in_blocks(seeds.size(), a_block, [&](std::size_t, std::size_t first, std::size_t last) {

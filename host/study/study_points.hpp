@@ -51,7 +51,6 @@ class StudyPoints {
 struct PointCensus {
   std::vector<Key128> keys;
   std::vector<float> costs;  // s of one thread, estimates (host/plan/expected_work.hpp)
-  double most_memory = 0;    // bytes that a run of an areal scene takes at the most, about
   bool has_seeds = true;     // whether a scene has a surface that a seed changes
   std::vector<std::filesystem::path> profiles;  // files that the scenes read
 

@@ -50,6 +50,15 @@ std::string name_of_launch() {
   return fmt::format("{:08x}{:08x}{:08x}{:08x}\n", random(), random(), random(), random());
 }
 
+/// Whether there is such a file with this text.
+bool has_text(const std::filesystem::path& file, const std::string& text) {
+  try {
+    return read_text(file, "the study's folder", text.size() + 1) == text;
+  } catch (const FileError&) {
+    return false;
+  }
+}
+
 /// The runs that this rank takes from the list. `name`, `text` and `keys`: of the launch, the study
 /// and the keys of its points, as rank 0 has them.
 RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& shard,
@@ -57,8 +66,7 @@ RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& sh
                         const std::string& text, const std::vector<Key128>& keys,
                         const StudyWork& work) {
   // a copy of the folder may have the same study
-  if (read_text(folder.snapshot(), "the study's snapshot", text.size() + 1) != text ||
-      read_text(folder.launch(), "the launch's name", name.size() + 1) != name)
+  if (!has_text(folder.snapshot(), text) || !has_text(folder.launch(), name))
     throw FileError(
         fmt::format("'{}' is not the folder that rank 0 sees: all ranks need one that "
                     "they share, by the same name",
@@ -73,6 +81,8 @@ RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& sh
   LedgerWriter ledger(folder.ledger(shard, ranks.rank()));
   StudyCheckpoints checkpoints(folder, choices.checkpoint, choices.tell);
   StudyOptions options;
+  options.processes = ranks.neighbours();
+  options.tell = choices.tell;
   options.checkpoints = &checkpoints;
   options.most_wall = choices.most_wall;
   options.keep_results = points.study().keep_files;
@@ -88,7 +98,6 @@ RankReport run_own_part(Ranks& ranks, const StudyFolder& folder, const Shard& sh
   const StudyOutcome outcome = run_study(points, census, work, ledger, options);
   return {.done = static_cast<std::int64_t>(outcome.done),
           .failed = static_cast<std::int64_t>(outcome.failed),
-          .out_of_time = outcome.out_of_time,
           .went_on = static_cast<std::int64_t>(checkpoints.went_on()),
           .steps_saved = checkpoints.steps_saved(),
           .busy = microseconds(outcome.busy),
@@ -159,7 +168,6 @@ void add_others(Ranks& ranks, SharedOutcome& all) {
     if (report.ended > 0) all.signal = static_cast<int>(report.ended);
     all.went_on += static_cast<std::size_t>(report.went_on);
     all.steps_saved += report.steps_saved;
-    if (report.out_of_time > 0) all.outcome.out_of_time = true;
   }
 }
 

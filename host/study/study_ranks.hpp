@@ -25,7 +25,7 @@ struct RankOptions {
   int threads = 1, device = -1;
   double checkpoint = 600;                                     // s between two of a run
   double most_wall = std::numeric_limits<double>::infinity();  // s
-  std::function<void(const std::string&)> tell;                // of checkpoints
+  std::function<void(const std::string&)> tell;                // a message
 };
 
 /// On the other ranks: takes runs until there are no more. Throws FileError where this rank sees

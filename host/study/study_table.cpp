@@ -25,6 +25,7 @@
 #include "host/store/seal.hpp"
 #include "host/store/sealed_hdf5.hpp"
 #include "host/system/input_file.hpp"
+#include "host/system/output_file.hpp"
 #include "host/system/partial_file.hpp"
 
 namespace ra2d {
@@ -263,12 +264,19 @@ std::string table_bytes(const std::filesystem::path& file, const StudyPoints& po
   out.add(out.words("message", messages, out.shape), "1",
           "why there are no numbers, or what the run warns of, a line each");
   if (study.keep_files) {
+    std::vector<std::filesystem::path> folders;  // of the study, from the table's
+    for (const std::filesystem::path& folder : finished.folders)
+      folders.push_back(std::filesystem::proximate(folder, folder_of(file)));
     std::vector<std::string> files(count);
     for (std::size_t i = 0; i < count; ++i)
-      if (runs[i] != nullptr && runs[i]->status != RunStatus::refused)
-        files[i] = StudyFolder::result(key_text(runs[i]->run)).string();
+      if (runs[i] != nullptr && runs[i]->status != RunStatus::refused) {
+        const std::filesystem::path result = StudyFolder::result(key_text(runs[i]->run));
+        files[i] = folders.empty()
+                       ? result.string()
+                       : (folders[runs[i]->folder] / result).lexically_normal().string();
+      }
     out.add(out.words("file", files, out.shape), "1",
-            "the run's own result, in the study's folder");
+            "the run's own result, from the table's folder");
   }
   for (h5::Dataset& scale : out.scales) h5::close(scale);
   return image.bytes();

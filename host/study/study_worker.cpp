@@ -26,6 +26,7 @@
 #include "host/base/clock.hpp"
 #include "host/base/errors.hpp"
 #include "host/device/backend.hpp"
+#include "host/model/areal_size.hpp"
 #include "host/model/doubts.hpp"
 #include "host/model/model.hpp"
 #include "host/plan/plan.hpp"
@@ -36,6 +37,7 @@
 #include "host/run/run_report.hpp"
 #include "host/run/simulation.hpp"
 #include "host/run/v_rms.hpp"
+#include "host/study/run_memory.hpp"
 #include "host/system/interruption.hpp"
 #include "host/system/machine_memory.hpp"
 #include "kernels/limits.hpp"
@@ -69,18 +71,20 @@ void sort_by_cost(std::vector<std::size_t>& points, const PointCensus& census) {
 class PointRun : public SceneRun {
  public:
   PointRun(Model model, ModalStart start, std::size_t point_, Key128 key_, double setup_,
-           std::unique_ptr<RunFiles> files_, bool keeps_result_)
+           std::unique_ptr<RunFiles> files_, bool keeps_result_, RunMemory::Part memory_)
       : SceneRun(std::move(model), std::move(start), {}, files_->sink()),
         files{std::move(files_)},
         point{point_},
         key{key_},
         setup{setup_},
-        keeps_result{keeps_result_} {}
+        keeps_result{keeps_result_},
+        memory{std::move(memory_)} {}
   const std::unique_ptr<RunFiles> files;
   const std::size_t point;
   const Key128 key;         // run_key
   const double setup;       // s
   const bool keeps_result;  // else it goes once the ledger has the run
+  const RunMemory::Part memory;
 };
 
 /// Means over the nodes of the modes' squares: equal resonators share them, for they take as long
@@ -160,7 +164,12 @@ class Worker {
  public:
   Worker(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
          LedgerWriter& ledger, const StudyOptions& options)
-      : points_{points}, census_{census}, work_{work}, ledger_{ledger}, options_{options} {
+      : points_{points},
+        census_{census},
+        work_{work},
+        ledger_{ledger},
+        options_{options},
+        memory_{options.processes} {
     left_.resize(work.jobs.size() + 1);  // estimates of the jobs from each on
     for (std::size_t i = work.jobs.size(); i-- > 0;)
       left_[i] = left_[i + 1] + static_cast<double>(census.costs[work.jobs[i]]);
@@ -179,25 +188,15 @@ class Worker {
         open_more_files();
         march_on_a_gpu(jobs);
       } else  // each thread by itself: none waits for another before the end
-        side_by_side(std::min({jobs, backend_threads(), runs_in_memory()}),
-                     [&](int thread) { march(thread, 1, {}); });
+        side_by_side(std::min(jobs, backend_threads()), [&](int thread) { march(thread, 1, {}); });
       clerk.rethrow();
     }
     ledger_.sync();
     outcome_.elapsed = seconds_since(begun_);
-    outcome_.out_of_time = out_of_time() && interruption() == 0;
     return outcome_;
   }
 
  private:
-  /// Runs of areal scenes that the memory holds side by side: at least one, which is refused by
-  /// itself where it is too large.
-  int runs_in_memory() const {
-    if (!(census_.most_memory > 0)) return std::numeric_limits<int>::max();
-    return static_cast<int>(
-        std::clamp(static_cast<double>(available_memory()) / census_.most_memory, 1.0, 1e6));
-  }
-
   /// Two crews of slots: the host drains and refills one with all its threads while the GPU marches
   /// the runs of the other.
   void march_on_a_gpu(int jobs) {
@@ -254,13 +253,21 @@ class Worker {
   SceneRun* make(int crew) {
     for (;;) {
       const std::size_t job = next_job();
-      if (job >= work_.jobs.size() || interruption() != 0 || out_of_time()) return nullptr;
+      if (job >= work_.jobs.size() || ends()) return nullptr;
       const std::size_t point = work_.jobs[job];
       FinishedRun refused{census_.keys[point], {}, RunStatus::refused, no_figures,
                           points_.name(point), {}};
       const Clock::time_point begin = Clock::now();
       try {
         return make(crew, point, refused, begin);
+      } catch (const MemoryShortage& shortage) {
+        if (memory_.may_have_room(shortage.needed)) {
+          put_back(job);
+          if (has_runs(crew)) throw std::bad_alloc();  // until one of them is over
+          wait_for_memory(shortage.needed, points_.name(point));
+          continue;
+        }
+        refused.message = points_.in_words_of_the_study(shortage.what(), point);
       } catch (const RequestError& fault) {
         refused.message = points_.in_words_of_the_study(fault.what(), point);
       } catch (const std::bad_alloc&) {
@@ -271,7 +278,43 @@ class Worker {
     }
   }
 
+  /// Whether no new run begins any more.
+  bool ends() const { return interruption() != 0 || out_of_time() || given_up_; }
+
+  bool has_runs(int crew) {
+    const std::lock_guard lock(mutex_);
+    return std::any_of(running_.begin(), running_.end(),
+                       [&](const auto& run) { return run.second.crew == crew; });
+  }
+
+  /// Sleeps until there is memory [bytes] for a run, there never will be, or no run begins any
+  /// more.
+  void wait_for_memory(double needed, const std::string& name) {
+    while (!ends() && !memory_.has_room(needed) && memory_.may_have_room(needed)) {
+      if (!memory_.in_use() && options_.tell && !told_of_memory_.exchange(true))
+        options_.tell(fmt::format(
+            "the run {} waits for memory that other programs hold: it takes {:.3g} GB, and {:.3g} "
+            "GB are free. Ctrl-C ends the study, and the same command continues it",
+            name, needed * 1e-9, static_cast<double>(available_memory()) * 1e-9));
+      std::this_thread::sleep_for(tick_time);
+    }
+  }
+
+  /// A job that could not be begun, for whoever asks next.
+  void put_back(std::size_t job) {
+    const std::lock_guard lock(mutex_);
+    put_back_.push_back(job);
+  }
+
   std::size_t next_job() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!put_back_.empty()) {
+        const std::size_t job = put_back_.back();
+        put_back_.pop_back();
+        return job;
+      }
+    }
     if (!options_.next_job) return next_++;
     const std::size_t job = options_.next_job();
     next_ = job + 1;  // as far as this process has seen: for the time left
@@ -281,6 +324,7 @@ class Worker {
   /// `refused` learns what is known of the run until it is.
   SceneRun* make(int crew, std::size_t point, FinishedRun& refused, Clock::time_point begin) {
     const Scene scene = points_.scene(point);
+    RunMemory::Part memory = memory_.part_for(scene);
     Model model = make_model(scene);
     refused.run =
         to_key(points_.study().keeps_microphones() ? run_key_with_sound(model) : run_key(model));
@@ -310,7 +354,8 @@ class Worker {
       files->record(std::move(header), before);
     }
     auto run = std::make_unique<PointRun>(std::move(model), std::move(start), point, refused.run,
-                                          seconds_since(begin), std::move(files), keeps_result);
+                                          seconds_since(begin), std::move(files), keeps_result,
+                                          std::move(memory));
     if (before) run->go_on(std::move(before->state), std::move(before->accounts));
     const std::lock_guard lock(mutex_);
     SceneRun* const scene_run = run.get();
@@ -326,6 +371,7 @@ class Worker {
 
   void take(PointRun& run) {
     const RunReport report = report_of(run);
+    const Clock::time_point over = Clock::now();
     if (run.files->records())
       run.files->close(summary_of(report));  // before the ledger says it is there
     FinishedRun finished{census_.keys[run.point], run.key,       RunStatus::done, no_figures,
@@ -345,7 +391,7 @@ class Worker {
       if (options_.keep_sound) add_sound(run, finished, warnings);
       finished.message = fmt::format("{}", fmt::join(warnings, "\n"));
     }
-    finished.figures.wall_seconds = report.wall_seconds;
+    finished.figures.wall_seconds = report.wall_seconds + seconds_since(over);
     record(std::move(finished));
     if (run.files->is_claimed()) run.files->remove();  // after it
     if (run.files->records() && !run.keeps_result) {
@@ -476,12 +522,14 @@ class Worker {
   const Clock::time_point begun_ = Clock::now();
   std::vector<double> left_;
   SharedMeanSquares squares_;
+  RunMemory memory_;
   std::atomic<std::size_t> next_ = 0;
-  std::atomic<bool> given_up_ = false;
+  std::atomic<bool> given_up_ = false, told_of_memory_ = false;
   std::atomic<int> checkpoint_requests_ = 0;
   Clerk* clerk_ = nullptr;
   std::mutex mutex_;  // of all below
   std::map<const SceneRun*, Running> running_;
+  std::vector<std::size_t> put_back_;  // jobs
   Clock::time_point shown_ = begun_;
   StudyOutcome outcome_;
 };

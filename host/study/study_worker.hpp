@@ -48,7 +48,9 @@ struct StudyOptions {
   /// Which of the jobs is next, from 0 on; beyond the last there are no more. Several processes
   /// that share the jobs take each once. None: all are for this process.
   std::function<std::size_t()> next_job;
-  StudyCheckpoints* checkpoints = nullptr;  // that runs go on from, and leave; none: neither
+  int processes = 1;  // that run parts of the study on this machine, this one among them
+  std::function<void(const std::string&)> tell;  // a message
+  StudyCheckpoints* checkpoints = nullptr;       // that runs go on from, and leave; none: neither
   double most_wall =
       std::numeric_limits<double>::infinity();  // s, after which the study is cut off
 };
@@ -60,13 +62,13 @@ struct StudyOutcome {
   double busy = 0;     // s of all threads together, making scenes ready, marching and recording
   double marched = 0;  // of that in the march alone
   std::size_t most_at_once = 0;  // runs that were on their way side by side, at the most
-  bool out_of_time = false;      // cut off by StudyOptions::most_wall
 };
 
 /// Runs the jobs to their end, an interrupt (host/system/interruption.hpp) or the wall time, on
 /// each of the backend's threads one after the other: threads that shared launches would wait for
 /// one another at the end of each. What ends goes to the ledger at once. A run that fails is
-/// recorded and stops nothing. Throws FileError where that cannot be kept, and what `tick` throws.
+/// recorded and stops nothing; one for which memory is short for now waits. Throws FileError where
+/// that cannot be kept, and what `tick` throws.
 StudyOutcome run_study(const StudyPoints& points, const PointCensus& census, const StudyWork& work,
                        LedgerWriter& ledger, const StudyOptions& options = {});
 

@@ -11,6 +11,22 @@
 #include <string>
 
 namespace ra2d {
+namespace {
+
+struct ProcessMemory {
+  std::int64_t addresses = 0, resident = 0;  // bytes
+};
+
+ProcessMemory memory_of_process() {
+  std::int64_t addresses = 0, resident = 0;  // pages
+  std::ifstream("/proc/self/statm") >> addresses >> resident;
+  const std::int64_t page = sysconf(_SC_PAGESIZE);
+  return {addresses * page, resident * page};
+}
+
+}  // namespace
+
+std::int64_t resident_memory() { return memory_of_process().resident; }
 
 std::int64_t machine_memory() {
   std::int64_t most = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
@@ -39,23 +55,26 @@ std::int64_t group_memory(const std::filesystem::path& groups, const std::filesy
   return least;
 }
 
-std::int64_t available_memory() {
+std::int64_t attainable_memory() {
   std::int64_t most = machine_memory();
-  std::ifstream system("/proc/meminfo");
-  for (std::string word; system >> word;)
-    if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
-      most = std::min(most, 1024 * kibibytes);
   // That limit counts addresses, also those of memory that is never touched. (A run of 6.25 million
   // nodes, 0.68 GB by areal_memory, needs 0.89 GB of them.) Where none are left HDF5 may crash.
   constexpr double touched = 0.7;
   rlimit limit{};
-  std::int64_t pages = 0;
-  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-      std::ifstream("/proc/self/statm") >> pages) {
-    const auto taken = static_cast<double>(pages * sysconf(_SC_PAGESIZE));
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    const auto taken = static_cast<double>(memory_of_process().addresses);
     const double left = touched * (static_cast<double>(limit.rlim_cur) - taken);
     most = std::min(most, std::max<std::int64_t>(0, std::llround(left)));
   }
+  return most;
+}
+
+std::int64_t available_memory() {
+  std::int64_t most = attainable_memory();
+  std::ifstream system("/proc/meminfo");
+  for (std::string word; system >> word;)
+    if (std::int64_t kibibytes = 0; word == "MemAvailable:" && system >> kibibytes)
+      most = std::min(most, 1024 * kibibytes);
   return most;
 }
 

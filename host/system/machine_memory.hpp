@@ -14,7 +14,14 @@ std::int64_t machine_memory();
 /// they are.
 std::int64_t group_memory(const std::filesystem::path& groups, const std::filesystem::path& root);
 
-/// Of it, what is free now, and within the process's own limit (ulimit -v).
+/// Of it, what this process could have beside what it holds, were there no other: within its own
+/// limit (ulimit -v).
+std::int64_t attainable_memory();
+
+/// Of that, what is free now.
 std::int64_t available_memory();
+
+/// Bytes of memory that this process holds; 0 where the system does not say.
+std::int64_t resident_memory();
 
 }  // namespace ra2d

@@ -118,6 +118,57 @@ TEST_F(StudyProgram, RunsWhatIsNewAndSaysWhereItStands) {
   EXPECT_EQ(out_ + err_, "");
 }
 
+/// Memory that other programs hold for a while costs no run.
+TEST_F(StudyProgram, WaitsForMemoryThatOtherProgramsHold) {
+  if (test::faulty_disk().empty()) GTEST_SKIP() << "nothing can be loaded before sanitizers";
+  fs::copy_file(test::scene_file("areal"), folder_ / "areal.toml");
+  std::ofstream(folder_ / "study.toml") << R"(
+base = "areal.toml"
+seeds = 3
+[set.scene]
+duration = 5e-4
+spacing = 2e-5
+[set.slider]
+length = 2e-3
+width = 2e-3
+)";
+  ASSERT_EQ(run({"study.toml", "-o", "calm"}), 0) << err_;
+  const fs::path memory = temporary_.path() / "meminfo";
+  const auto free_memory = [&](double gigabytes) {
+    std::ofstream(temporary_.path() / "new")
+        << fmt::format("MemTotal: 8000000 kB\nMemAvailable: {:.0f} kB\n", gigabytes * 1e6);
+    fs::rename(temporary_.path() / "new", memory);
+  };
+  const auto start_short = [&](const std::vector<std::string>& more) {
+    free_memory(0.05);
+    fs::remove(folder_ / "stderr");  // of the child before
+    std::vector<std::string> words{"env",
+                                   "LD_PRELOAD=" + test::faulty_disk(),
+                                   "FAULTY_MEMORY=" + memory.string(),
+                                   test::program(),
+                                   "study",
+                                   "study.toml"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Child(folder_, words);
+  };
+  const auto waits = [](const Child& child) {
+    return test::wait_until(
+        [&] { return child.err().find("waits for memory") != std::string::npos; });
+  };
+  Child cut = start_short({"-o", "short"});
+  ASSERT_TRUE(waits(cut)) << cut.err();
+  cut.send(SIGINT);
+  EXPECT_EQ(cut.wait(), 128 + SIGINT) << cut.err();
+  EXPECT_THAT(cut.err(), AllOf(HasSubstr("0.05"), HasSubstr("0 of 3 runs are finished")));
+  EXPECT_EQ(status_of("short")["failed"], 0);
+  EXPECT_EQ(start_short({"-o", "short", "--max-wall", "0:0:1"}).wait(), 5);
+  Child whole = start_short({"-o", "short"});
+  ASSERT_TRUE(waits(whole)) << whole.err();
+  free_memory(4);
+  EXPECT_EQ(whole.wait(), 0) << whole.err();
+  EXPECT_TRUE(table("short") == table("calm"));
+}
+
 TEST_F(StudyProgram, ATableIsTheSameForAnyThreadsAndShards) {
   ASSERT_EQ(run({"study.toml", "-o", "one", "--threads", "1"}), 0) << err_;
   ASSERT_EQ(run({"study.toml", "-o", "two", "--threads", "2"}), 0) << err_;
@@ -133,12 +184,55 @@ TEST_F(StudyProgram, ATableIsTheSameForAnyThreadsAndShards) {
                           HasSubstr("and 7 more")));
   EXPECT_FALSE(fs::exists(folder_ / "all.h5"));
   ASSERT_EQ(run({"study.toml", "-o", "b", "--shard", "2/2"}), 0) << err_;
-  EXPECT_EQ(run({"merge", "a", "b"}), 0) << err_;
-  const StudyAnswers merged = read_study_table(folder_ / "a/results.h5"),
-                     there = read_study_table(folder_ / "one/results.h5");
-  EXPECT_EQ(merged.v_rms, there.v_rms);
+  const StudyAnswers there = read_study_table(folder_ / "one/results.h5");
   EXPECT_EQ(run({"merge", "a", "b", "-o", "all.h5"}), 0) << err_;
   EXPECT_EQ(read_study_table(folder_ / "all.h5").v_rms, there.v_rms);
+}
+
+/// The variable `file` of a table.
+std::vector<std::string> files_of(const fs::path& table) {
+  const hid_t file = H5Fopen(table.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+              dataset = H5Dopen2(file, "file", H5P_DEFAULT), type = H5Dget_type(dataset),
+              space = H5Dget_space(dataset);
+  std::vector<char*> texts(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  EXPECT_GE(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), 0);
+  std::vector<std::string> files(texts.begin(), texts.end());
+  H5Dvlen_reclaim(type, space, H5P_DEFAULT, texts.data());
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  return files;
+}
+
+/// The table in a folder is of that folder's runs: its own command makes it again.
+TEST_F(StudyProgram, ATableOfTwoFoldersIsInNeither) {
+  write_study(2, "keep = [\"level\", \"files\"]");
+  const std::string change = "scene.duration=1e-3";
+  ASSERT_EQ(run({"study.toml", "-o", "a", "--shard", "1/2", "--set", change}), 0) << err_;
+  EXPECT_EQ(run({"merge", "a"}), 2);
+  EXPECT_THAT(err_, HasSubstr("-o a --set " + change + ")"));
+  fs::create_directory(folder_ / "far");
+  ASSERT_EQ(run({"study.toml", "-o", "far/b", "--shard", "2/2", "--set", change}), 0) << err_;
+  const std::string before = test::read_file(folder_ / "a/results.h5");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"-o", "a/results.h5"}, {"-o", "far/b/results.h5"}}) {
+    std::vector<std::string> words{"merge", "a", "far/b"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run(words), 2);
+    EXPECT_THAT(err_, AllOf(HasSubstr("results.h5' is the table of the runs in its folder alone"),
+                            HasSubstr("-o all.h5")));
+  }
+  EXPECT_TRUE(test::read_file(folder_ / "a/results.h5") == before);
+  // results of both are found from where the table is
+  fs::create_directory(folder_ / "tables");
+  ASSERT_EQ(run({"merge", "a", "far/b", "-o", "tables/all.h5"}), 0) << err_;
+  const std::vector<std::string> files = files_of(folder_ / "tables/all.h5");
+  ASSERT_EQ(files.size(), 8u);
+  for (const std::string& file : files) EXPECT_TRUE(fs::exists(folder_ / "tables" / file)) << file;
+  EXPECT_EQ(files_of(folder_ / "a/results.h5").front().substr(0, 5), "runs/");
+  for (const char* folder : {"a", "far/b"})
+    EXPECT_EQ(test::run_program(folder_, {test::program(), "check", folder}).status, 0) << folder;
 }
 
 TEST_F(StudyProgram, FoldersOfTwoStudiesAndOtherNumbersAreNotMerged) {

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <random>
 #include <string>
@@ -270,6 +271,59 @@ TEST(Launches, ASceneThatDoesNotFitAloneStopsNoOther) {
   EXPECT_EQ(refused, static_cast<std::size_t>(large));
   EXPECT_EQ(done + refused, scenes.size());
   EXPECT_GE(done.load(), 1u);
+}
+
+/// A scene that cannot be made for now is asked for again when another is over.
+TEST(Launches, ScenesThatCannotBeMadeYetAreMadeLater) {
+  const std::vector<Scene> scenes = kinds();
+  const std::vector<Recording> alone = simulate(scenes);
+  std::vector<std::unique_ptr<SceneRun>> runs;
+  for (const Recording& r : alone) runs.push_back(std::make_unique<SceneRun>(r.model, r.start));
+  SimulationOptions options;
+  options.slots = 3;
+  options.ticks = 1000;
+  std::mutex mutex;
+  std::size_t next = 0, on_their_way = 0, most = 0;
+  Simulation simulation(options);
+  simulation.run(
+      [&](std::size_t) -> SceneRun* {
+        const std::lock_guard lock(mutex);
+        if (next >= runs.size()) return nullptr;
+        if (on_their_way >= 2) throw std::bad_alloc();  // memory for two
+        most = std::max(most, ++on_their_way);
+        return runs[next++].get();
+      },
+      [&](SceneRun&) {
+        const std::lock_guard lock(mutex);
+        --on_their_way;
+      });
+  EXPECT_EQ(next, runs.size());
+  EXPECT_EQ(most, 2u);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    EXPECT_TRUE(runs[i]->over());
+    EXPECT_EQ(runs[i]->accounts().now.resonator_u, alone[i].end.resonator_u) << "scene " << i;
+  }
+  // a thread sees no more scenes, and then the one that another had in hand cannot be made yet
+  SceneRun first(alone[0].model, alone[0].start), last(alone[1].model, alone[1].start);
+  options.slots = 2;
+  std::atomic<int> call = 0;
+  Simulation handed_back(options);
+  handed_back.run([&](std::size_t) -> SceneRun* {
+    switch (call++) {
+      case 0:
+        return &first;
+      case 2:
+        throw std::bad_alloc();
+      case 3:
+        return &last;
+      default:
+        return nullptr;
+    }
+  });
+  EXPECT_TRUE(last.over());
+  // where no scene is on its way nothing frees memory any more
+  Simulation none(options);
+  EXPECT_THROW(none.run([](std::size_t) -> SceneRun* { throw std::bad_alloc(); }), std::bad_alloc);
 }
 
 // Their memory is there again once they are gone.

@@ -31,7 +31,7 @@ class RanksOfMpi final : public Ranks {
   RanksOfMpi() {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &size_);
-    threads_ = my_threads();
+    count_neighbours();
     // on rank 0: the next number, then a report of each rank
     const MPI_Aint count = rank_ == 0 ? 1 + size_ * static_cast<MPI_Aint>(Numbers{}.size()) : 0;
     constexpr int unit = sizeof(std::int64_t);
@@ -46,6 +46,7 @@ class RanksOfMpi final : public Ranks {
   int rank() const override { return rank_; }
   int size() const override { return size_; }
   int threads() const override { return threads_; }
+  int neighbours() const override { return neighbours_; }
 
   void broadcast(void* bytes, std::size_t count) override {
     constexpr std::size_t most = std::size_t{1} << 30;  // MPI counts with an int
@@ -113,26 +114,27 @@ class RanksOfMpi final : public Ranks {
   static MPI_Aint place_of(int rank) { return 1 + rank * static_cast<MPI_Aint>(Numbers{}.size()); }
 
   /// Ranks of one machine that may use the same processors divide them. All ranks call it.
-  int my_threads() const {
+  void count_neighbours() {
     cpu_set_t mine;
     CPU_ZERO(&mine);
-    if (sched_getaffinity(0, sizeof mine, &mine) != 0) return 1;
+    const bool has_set = sched_getaffinity(0, sizeof mine, &mine) == 0;
     MPI_Comm machine;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &machine);
-    int place = 0, neighbours = 1;
+    int place = 0;
     MPI_Comm_rank(machine, &place);
-    MPI_Comm_size(machine, &neighbours);
-    std::vector<cpu_set_t> sets(static_cast<std::size_t>(neighbours));
+    MPI_Comm_size(machine, &neighbours_);
+    std::vector<cpu_set_t> sets(static_cast<std::size_t>(neighbours_));
     MPI_Allgather(&mine, sizeof mine, MPI_BYTE, sets.data(), sizeof mine, MPI_BYTE, machine);
     MPI_Comm_free(&machine);
+    if (!has_set) return;
     int sharers = 0, before = 0;
-    for (int i = 0; i < neighbours; ++i) {
+    for (int i = 0; i < neighbours_; ++i) {
       if (CPU_EQUAL(&sets[static_cast<std::size_t>(i)], &mine) == 0) continue;
       ++sharers;
       before += i < place ? 1 : 0;
     }
     const int processors = CPU_COUNT(&mine);
-    return std::max(1, processors / sharers + (before < processors % sharers ? 1 : 0));
+    threads_ = std::max(1, processors / sharers + (before < processors % sharers ? 1 : 0));
   }
 
   /// Between machines MPI answers the others' requests only while rank 0 is in a call of MPI, and
@@ -148,7 +150,7 @@ class RanksOfMpi final : public Ranks {
     }
   }
 
-  int rank_ = 0, size_ = 1, threads_ = 1;
+  int rank_ = 0, size_ = 1, threads_ = 1, neighbours_ = 1;
   MPI_Win window_ = MPI_WIN_NULL;
   MPI_Request arrival_ = MPI_REQUEST_NULL;
   std::mutex mutex_;  // of all calls of MPI
