@@ -17,7 +17,7 @@
 #include "host/commands/options.hpp"
 #include "host/commands/print.hpp"
 #include "host/model/model.hpp"
-#include "host/plan/point_contacts.hpp"
+#include "host/model/point_contacts.hpp"
 #include "host/scene_file/materials.hpp"
 #include "host/scene_file/new_scene.hpp"
 #include "host/scene_file/scene_file.hpp"

@@ -10,6 +10,7 @@
 #include "host/base/errors.hpp"
 #include "host/model/areal_size.hpp"
 #include "host/model/doubts.hpp"
+#include "host/model/point_contacts.hpp"
 #include "host/model/smooth_contact.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/map_face.hpp"
@@ -308,7 +309,9 @@ Model make_model(const Scene& scene) {
     require_y(scene);
     std::vector<std::string> doubts = scene_doubts(scene);
     HeightMaps maps = maps_of(scene, doubts);
-    return areal_model(scene, std::move(maps), std::move(doubts));
+    Model m = areal_model(scene, std::move(maps), std::move(doubts));
+    if (std::string doubt = doubt_mesh(m); !doubt.empty()) m.doubts.push_back(std::move(doubt));
+    return m;
   }
   Model m;
   m.scene = scene;

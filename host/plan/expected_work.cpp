@@ -8,7 +8,7 @@
 #include "host/body/body.hpp"
 #include "host/model/areal_size.hpp"
 #include "host/model/model.hpp"
-#include "host/plan/point_contacts.hpp"
+#include "host/model/point_contacts.hpp"
 #include "host/plan/step_costs.hpp"
 #include "host/scene/schemes.hpp"
 #include "host/surface/random_profile.hpp"

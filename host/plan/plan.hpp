@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "host/model/point_contacts.hpp"
 #include "host/plan/asperities.hpp"
 #include "host/plan/face_choices.hpp"
-#include "host/plan/point_contacts.hpp"
 #include "host/plan/stability.hpp"
 
 /// The model of a scene before it is run: modes, nodes, step, limits of stability, cost.

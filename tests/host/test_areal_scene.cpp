@@ -16,7 +16,7 @@
 #include "host/base/errors.hpp"
 #include "host/body/plate.hpp"
 #include "host/model/model.hpp"
-#include "host/plan/point_contacts.hpp"
+#include "host/model/point_contacts.hpp"
 #include "host/plan/stability.hpp"
 #include "host/run/run_key.hpp"
 #include "host/scene_file/scene_file.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What 'ra2d plan' says of areal scenes: contacts by Hertz, and memory.
-#include "host/plan/point_contacts.hpp"
+#include "host/model/point_contacts.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -132,6 +132,25 @@ TEST(PointContacts, AreThoseOfTheSummitsAndTheLoad) {
   EXPECT_NEAR(found.hertz.kappa, point_contact(found.modulus, ball, 0.2).kappa,
               1e-6 * found.hertz.kappa);
   EXPECT_NEAR(found.width, width_on_springs(1e15, ball, 0.2), 1e-6 * found.width);
+}
+
+TEST(PointContacts, AMeshTooCoarseForThemIsDoubted) {
+  // contacts are some 28 um wide: 0.57 and 1.4 spacings, 0.35 and 0.55 rows
+  const auto doubts = [](Faces faces, double spacing) {
+    Scene scene = read_scene(test::scene_file("areal"));
+    scene.faces = faces;
+    scene.spacing = spacing;
+    scene.spacing_y = spacing;
+    return make_model(scene).doubts;
+  };
+  const auto says = [](const char* width) {
+    return testing::Contains(testing::AllOf(testing::HasSubstr("may be off by more than half"),
+                                            testing::HasSubstr(width)));
+  };
+  EXPECT_THAT(doubts(Faces::linear, 5e-5), says("um wide, 0.57 spacings"));
+  EXPECT_THAT(doubts(Faces::smooth, 8e-5), says("um wide, 0.35 rows"));
+  EXPECT_THAT(doubts(Faces::linear, 2e-5), testing::Not(says("wide")));
+  EXPECT_THAT(doubts(Faces::smooth, 5e-5), testing::Not(says("wide")));
 }
 
 TEST(PointContacts, PiecesAreNodesBesideOneAnother) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <string>
 #include <vector>
 
 #include "host/model/model.hpp"
@@ -49,6 +50,10 @@ double nodes_for(double shock_error, Faces faces);
 /// None (radius 0) of plane scenes, without a load that is known, under multipliers, and where both
 /// bodies are rigid. `start`: of the model.
 PointContacts point_contacts_of(const Model& model, const ModalStart& start);
+
+/// A warning about an areal model whose shock_error is above 0.4; empty else. Looks at fewer places
+/// than point_contacts_of(), and takes the fewest contacts that can carry the load.
+std::string doubt_mesh(const Model& model);
 
 /// Pieces of contact: nodes of a model in ascending order, neighbours as the eight around a node.
 int pieces_of(const Model& model, const std::vector<int>& nodes);

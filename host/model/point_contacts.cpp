@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "host/plan/point_contacts.hpp"
+#include "host/model/point_contacts.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,8 @@ namespace ra2d {
 namespace {
 
 constexpr double most_summit_nodes = 2e7;  // in all places along the path together
+constexpr double few_summit_nodes = 1e6;   // for a doubt
+constexpr double much_error = 0.4;         // of rates and durations, relative
 constexpr int most_summit_places = 200;
 constexpr std::size_t summits_a_place = 3;  // a free block rests on as many
 
@@ -168,7 +172,9 @@ int pieces_of(const Model& model, const std::vector<int>& nodes) {
   return count;
 }
 
-PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
+namespace {
+
+PointContacts contacts_of(const Model& model, int contacts, double most_nodes) {
   const Scene& scene = model.scene;
   PointContacts found;
   if (!model.is_areal || scene.contact.law != ContactLaw::penalty) return found;
@@ -176,15 +182,14 @@ PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
   found.modulus = plate_contact_modulus(scene);
   if (!(found.modulus > 0) || std::isinf(found.modulus)) return found;
   const double travel = scene.speed * scene.duration;
-  const int places = travel > 0 ? std::clamp(static_cast<int>(most_summit_nodes / model.nodes()), 1,
-                                             most_summit_places)
-                                : 1;
+  const int places =
+      travel > 0 ? std::clamp(static_cast<int>(most_nodes / model.nodes()), 1, most_summit_places)
+                 : 1;
   std::vector<SummitPlace> summits;
   for (int i = 0; i < places; ++i)
     for (const SummitPlace& summit : highest_summits(model, scene.start + travel * i / places))
       summits.push_back(summit);
-  found.contacts =
-      std::max(pieces_of(model, start.loaded_nodes), scene.slider.support == Support::free ? 3 : 1);
+  found.contacts = std::max(contacts, scene.slider.support == Support::free ? 3 : 1);
   found.load = model.slider.load_force / found.contacts;
   found.radius = mean_radius(model, summits, 0);
   // the curvature over the contact's own width, which depends on it: a few rounds settle it
@@ -201,6 +206,22 @@ PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
                                                         : std::max(scene.spacing, model.spacing_y));
   found.shock_error = shock_error_of(found.nodes, scene.faces);
   return found;
+}
+
+}  // namespace
+
+PointContacts point_contacts_of(const Model& model, const ModalStart& start) {
+  return contacts_of(model, model.is_areal ? pieces_of(model, start.loaded_nodes) : 0,
+                     most_summit_nodes);
+}
+
+std::string doubt_mesh(const Model& model) {
+  const PointContacts found = contacts_of(model, 0, few_summit_nodes);
+  if (!(found.shock_error > much_error)) return {};
+  return fmt::format(
+      "contacts are about {:.2g} um wide, {:.2g} {} of nodes: rates and durations of shocks may be "
+      "off by more than half ('ra2d plan' names finer spacings)",
+      found.width * 1e6, found.nodes, model.has_smooth_faces() ? "rows" : "spacings");
 }
 
 }  // namespace ra2d
