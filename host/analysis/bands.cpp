@@ -126,16 +126,20 @@ std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
   return found;
 }
 
-double share_above(const WholeSpectrum& spectrum, std::span<const double> power, double last_mode) {
+SharesAbove shares_above(const WholeSpectrum& spectrum, std::span<const double> power,
+                         std::span<const double> weighted, double last_mode) {
   int first = lowest_band;
   while (first < highest_band && !(third_octave_low(first) > last_mode)) ++first;
   const double edge = third_octave_low(first);
-  double above = 0, all = 0;
-  for (std::size_t j = 0; j < power.size(); ++j) {
-    all += power[j];
-    if (spectrum.frequency(j) > edge) above += power[j];
-  }
-  return above / all;
+  const auto share = [&](std::span<const double> of_lines) {
+    double above = 0, all = 0;
+    for (std::size_t j = 0; j < of_lines.size(); ++j) {
+      all += of_lines[j];
+      if (spectrum.frequency(j) > edge) above += of_lines[j];
+    }
+    return above / all;
+  };
+  return {share(power), share(weighted)};
 }
 
 double band_spread(int number, double seconds) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/base/fourier.hpp"
+#include "host/base/quiet_nan.hpp"
 
 /// Third-octave bands (IEC 61260-1:2014, base ten, class 1), and the weighting A (IEC 61672-1).
 namespace ra2d {
@@ -66,8 +67,13 @@ std::vector<std::vector<double>> band_powers(const std::vector<int>& numbers,
                                              const WholeSpectrum& spectrum,
                                              const std::vector<std::span<const double>>& powers);
 
-/// Share of the power that lies above the band of the last mode [Hz].
-double share_above(const WholeSpectrum& spectrum, std::span<const double> power, double last_mode);
+/// Shares of a sound's power that lie above the band of the last mode. NaN: not known.
+struct SharesAbove {
+  double all = quiet_nan, a_weighted = quiet_nan;
+};
+/// `power` of the lines, `weighted` by A; `last_mode` in Hz.
+SharesAbove shares_above(const WholeSpectrum& spectrum, std::span<const double> power,
+                         std::span<const double> weighted, double last_mode);
 
 /// Standard deviation of a band's level over runs [dB], were the signal stationary Gaussian noise.
 double band_spread(int number, double seconds);

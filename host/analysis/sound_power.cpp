@@ -238,7 +238,7 @@ RadiatedPower radiated_power(const ResultReader& reader, const SoundingResonator
       is_long ? power_level(std::accumulate(weighted.begin(), weighted.end(), 0.0)) : quiet_nan;
   add_bands(found, whole, {power, weighted, square}, flow, rate, seconds,
             seconds * static_cast<double>(pieces));
-  found.share_above = is_long ? share_above(whole, weighted, last) : quiet_nan;
+  if (is_long) found.above = shares_above(whole, power, weighted, last);
   add_modes(found, resonator, resistance, highest);
   found.share_of_damping = 2 * found.watts / found.damping_power;
   found.inertia = inertia_of_air(resonator.face, resonator.air, resonator.mass_per_area);
@@ -269,7 +269,7 @@ SoundLevels sound_levels(const Scene& scene, const std::filesystem::path& file) 
       shortest = std::max(shortest, levels.shortest);
     }
     if (const std::string warning =
-            above_modes_text(power.share_above, last_mode(reader.contents().resonator_frequency));
+            above_modes_text(power.above, last_mode(reader.contents().resonator_frequency));
         !warning.empty())
       found.warnings.push_back("sound power: " + warning);
     if (std::isnan(power.watts) || std::isnan(square_a))

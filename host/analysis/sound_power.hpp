@@ -12,7 +12,7 @@ namespace ra2d {
 struct RadiatedPower {
   double watts = 0;                            // W, to one side; NaN: the stretch is too short
   double shortest = 0;                         // s, of a stretch with a power
-  double share_above = 0;                      // A-weighted, above the last mode's band
+  SharesAbove above;                           // of the last mode's band
   double lw = 0, lw_a = 0;                     // dB re 1 pW; A-weighted
   double efficiency = 0;                       // watts over density c area <v^2>
   std::vector<int> number;                     // of third octaves

@@ -106,9 +106,7 @@ std::string level_text(const MicrophoneLevels& m) {
                      weighted ? "" : "; dB(A) not known: " + too_short_text(m.shortest));
 }
 
-std::string warning_of(const MicrophoneLevels& m) {
-  return above_modes_text(m.share_above, m.last_mode);
-}
+std::string warning_of(const MicrophoneLevels& m) { return above_modes_text(m.above, m.last_mode); }
 
 SoundingResonator sounding_resonator(const ResultReader& reader, const std::optional<Scene>& scene,
                                      const std::filesystem::path& file,
@@ -215,12 +213,14 @@ double last_mode(const std::vector<double>& frequencies) {
   return last == frequencies.end() || !(*last > 0) ? quiet_nan : *last;
 }
 
-std::string above_modes_text(double share, double last_mode) {
-  if (!(share > much_above)) return {};
+std::string above_modes_text(const SharesAbove& shares, double last_mode) {
+  const bool is_weighted = shares.a_weighted > much_above;
+  if (!is_weighted && !(shares.all > much_above)) return {};
   return fmt::format(
-      "{:.0f} % of the A-weighted power lies above the last mode that was kept, at {:.4g} kHz, "
+      "{:.0f} % of the {} power lies above the last mode that was kept, at {:.4g} kHz, "
       "where more modes would give another level: raise resonator.max_frequency",
-      100 * share, 1e-3 * last_mode);
+      100 * (is_weighted ? shares.a_weighted : shares.all),
+      is_weighted ? "A-weighted" : "unweighted", 1e-3 * last_mode);
 }
 
 double pressure_level(double rms) { return 20 * std::log10(rms / 20e-6); }
@@ -251,7 +251,7 @@ MicrophoneLevels levels_of(const HeardSound& sound, double rate,
   const auto of_bands = band_powers(m.number, whole, {power, weighted});
   for (const double value : of_bands[0]) m.level.push_back(pressure_level(std::sqrt(value)));
   for (const double value : of_bands[1]) m.level_a.push_back(pressure_level(std::sqrt(value)));
-  m.share_above = is_long ? share_above(whole, weighted, m.last_mode) : quiet_nan;
+  if (is_long) m.above = shares_above(whole, power, weighted, m.last_mode);
   for (const int number : m.number) m.spread.push_back(band_spread(number, seconds));
   LevelParts parts(sound.first, p.size(), rate, 1);
   parts.add_column(0, p);

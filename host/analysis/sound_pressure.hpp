@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host/analysis/bands.hpp"
 #include "host/analysis/level_history.hpp"
 #include "host/analysis/stretch.hpp"
 #include "host/radiation/pressure.hpp"
@@ -80,23 +81,23 @@ std::string too_short_text(double shortest);
 /// The frequency of the last mode [Hz]; NaN where there is none that is elastic.
 double last_mode(const std::vector<double>& frequencies);
 
-/// Where much of an A-weighted level comes from above the last mode: what to say of it. Empty where
-/// little does.
-std::string above_modes_text(double share, double last_mode);
+/// Where much of a level, A-weighted or not, comes from above the last mode: what to say of it.
+/// Empty where little does.
+std::string above_modes_text(const SharesAbove& shares, double last_mode);
 
 /// Levels at a microphone.
 struct MicrophoneLevels {
   Position position{};
-  double distance = 0;       // m, the least one from the face
-  double arrives = 0;        // s, that the sound takes from there
-  double from = 0, to = 0;   // s, what is heard
-  double rms = 0, peak = 0;  // Pa
-  double lp = 0, lp_a = 0;   // dB re 20 uPa; A-weighted, NaN: too short
-  double shortest = 0;       // s, of a stretch with lp_a
-  double share_above = 0;    // of the A-weighted power, above the band of last_mode
-  double last_mode = 0;      // Hz
-  IntervalsOfRun intervals;  // of lp
-  std::vector<int> number;   // of third octaves
+  double distance = 0;                         // m, the least one from the face
+  double arrives = 0;                          // s, that the sound takes from there
+  double from = 0, to = 0;                     // s, what is heard
+  double rms = 0, peak = 0;                    // Pa
+  double lp = 0, lp_a = 0;                     // dB re 20 uPa; A-weighted, NaN: too short
+  double shortest = 0;                         // s, of a stretch with lp_a
+  SharesAbove above;                           // of the power, above the band of last_mode
+  double last_mode = 0;                        // Hz
+  IntervalsOfRun intervals;                    // of lp
+  std::vector<int> number;                     // of third octaves
   std::vector<double> level, level_a, spread;  // dB
   LevelHistory history;                        // of the pressure, in Pa^2
 };

@@ -104,7 +104,7 @@ std::string power_text(const Analysis& a) {
                        "the air would damp the motion, and takes nothing of it here: the level is "
                        "too high (raise resonator.damping by what the air adds, "
                        "power.modes.damping_of_air in the JSON)");
-  text += warning_line(above_modes_text(p.share_above, last_mode(a.natural_frequencies)));
+  text += warning_line(above_modes_text(p.above, last_mode(a.natural_frequencies)));
   return text + band_rows(a, p.number, p.level, "1 pW");
 }
 

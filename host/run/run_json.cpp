@@ -101,7 +101,8 @@ std::string run_json(const Scene& scene, const RunReport& r, const std::filesyst
            {"lp", m.lp},
            {"lpa", m.lp_a},
            {"no_lpa", std::isnan(m.lp_a) ? too_short_text(m.shortest) : ""},
-           {"share_above_last_mode", m.share_above},
+           {"share_above_last_mode", m.above.a_weighted},
+           {"unweighted_share_above_last_mode", m.above.all},
            {"warning", warning_of(m)},
            {"lp_interval", limits_json(m.intervals.level)}});
     json["no_sound"] = sound.why_none;

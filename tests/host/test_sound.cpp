@@ -319,9 +319,9 @@ TEST_F(Sounds, OfAShortStretchHasNoTotals) {
     options.to = to;
     const Analysis a = analyze(folder_.path() / "a.h5", options);
     const MicrophoneLevels& m = a.microphones[0];
-    for (const double total :
-         {m.lp_a, m.share_above, a.power->watts, a.power->lw, a.power->lw_a, a.power->share_above,
-          a.power->efficiency, a.power->share_of_damping, a.lv_a})
+    for (const double total : {m.lp_a, m.above.all, m.above.a_weighted, a.power->watts, a.power->lw,
+                               a.power->lw_a, a.power->above.all, a.power->above.a_weighted,
+                               a.power->efficiency, a.power->share_of_damping, a.lv_a})
       EXPECT_EQ(std::isfinite(total), is_known) << to;
     EXPECT_NEAR(m.lp, 20 * std::log10(m.rms / 20e-6), 1e-12);
     const std::vector<bool> above = bands_above_modes(a, a.power->number);
@@ -372,21 +372,36 @@ TEST_F(Sounds, WarnsWhereTheLevelComesFromAboveTheLastMode) {
   EXPECT_NE(text.find(warning, first + 1), std::string::npos) << "once for each total";
   const MicrophoneLevels& m = few.microphones[0];
   const std::vector<bool> above = bands_above_modes(few, m.number);
-  double share = 0, all = 0;
-  for (std::size_t i = 0; i < above.size(); ++i) {
-    const double power = std::pow(10, m.level_a[i] / 10);
-    all += power;
-    share += above[i] ? power : 0;
-  }
-  EXPECT_NEAR(m.share_above, share / all, 0.01);
-  EXPECT_GT(m.share_above, 0.5);
-  EXPECT_EQ(nlohmann::json::parse(json_of({few}))["power"]["share_above_last_mode"],
-            few.power->share_above);
+  const auto share_of = [&above](const std::vector<double>& levels) {
+    double share = 0, all = 0;
+    for (std::size_t i = 0; i < above.size(); ++i) {
+      const double power = std::pow(10, levels[i] / 10);
+      all += power;
+      share += above[i] ? power : 0;
+    }
+    return share / all;
+  };
+  EXPECT_NEAR(m.above.a_weighted, share_of(m.level_a), 0.01);
+  EXPECT_NEAR(m.above.all, share_of(m.level), 0.01);
+  EXPECT_GT(m.above.a_weighted, 0.5);
+  const auto json = nlohmann::json::parse(json_of({few}));
+  EXPECT_EQ(json["power"]["share_above_last_mode"], few.power->above.a_weighted);
+  EXPECT_EQ(json["power"]["unweighted_share_above_last_mode"], few.power->above.all);
+  EXPECT_EQ(json["microphones"][0]["share_above_last_mode"], m.above.a_weighted);
+  EXPECT_EQ(json["microphones"][0]["unweighted_share_above_last_mode"], m.above.all);
   const test::Ended again = ra2d({"run", test::scene_file("dang2012"), "-o", "few.h5", "--set",
                                   "time.scheme=adaptive", "--set", "time.tolerance=1e-6", "--set",
                                   "scene.duration=0.1", "--set", "resonator.max_frequency=2e3",
                                   "--set", "output.microphones=[{ x = 0.15, y = 0.1, z = 0.5 }]"});
   EXPECT_THAT(again.out, AllOf(HasSubstr("  warning "), HasSubstr(warning)));
+
+  // with modes up to 7.5 kHz the filter A takes off what is above, the unweighted level has it
+  run("more.h5", {"resonator.max_frequency=8e3", "output.rate=2e5"});
+  const Analysis more = analyze(folder_.path() / "more.h5", options);
+  EXPECT_LT(more.microphones[0].above.a_weighted, 0.2);
+  EXPECT_GT(more.microphones[0].above.all, 0.25);
+  EXPECT_THAT(warning_of(more.microphones[0]),
+              HasSubstr("% of the unweighted power lies above the last mode"));
 }
 
 /// Where damping takes little, the air would take as much: the level is too high, and it is said.
