@@ -23,6 +23,7 @@ using Place = std::vector<std::size_t>;
 struct Grid {
   std::vector<Place> points;  // values of the fitted dimensions
   Eigen::MatrixXd y;          // (point, seed)
+  bool is_whole = true;       // no point is left out
 };
 
 Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& amplitude,
@@ -47,7 +48,7 @@ Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& ampli
     ++sum.count;
   }
   const auto is_there = [&](const Sum& sum) { return sum.count == combinations; };
-  std::erase_if(points, [&](const auto& point) {
+  const std::size_t left_out = std::erase_if(points, [&](const auto& point) {
     return 3 * std::count_if(point.second.begin(), point.second.end(), is_there) <
            2 * static_cast<std::ptrdiff_t>(seeds);
   });
@@ -57,6 +58,7 @@ Grid complete_grid(const StudyAnswers& answers, const std::vector<double>& ampli
                     [&](const auto& point) { return is_there(point.second[seed]); }))
       complete.push_back(seed);
   Grid grid;
+  grid.is_whole = left_out == 0;
   grid.y.resize(static_cast<Eigen::Index>(points.size()),
                 static_cast<Eigen::Index>(complete.size()));
   for (const auto& [point, sums] : points) {
@@ -152,22 +154,26 @@ StraightLine test_straight_line(const StudyAnswers& answers, const std::vector<d
                                 const std::vector<std::size_t>& fitted, const Draws& draws) {
   StraightLine line;
   const Grid grid = complete_grid(answers, amplitude, fitted, draws);
+  const std::string drawn = draws.axes == std::vector<std::string>{"seed"}
+                                ? "seeds"
+                                : fmt::format("values of {}", fmt::join(draws.axes, " and "));
   const auto seeds = grid.y.cols();
   if (seeds < 2) {
-    line.why_not_tested =
-        fmt::format("it takes two {} that have all points, there {}",
-                    draws.axes == std::vector<std::string>{"seed"}
-                        ? "seeds"
-                        : fmt::format("values of {}", fmt::join(draws.axes, " and ")),
-                    seeds == 1 ? "is one" : "are none");
+    line.why_not_tested = fmt::format("it takes two {} that have all points, there {}", drawn,
+                                      seeds == 1 ? "is one" : "are none");
     return line;
   }
+  const std::size_t points = grid.points.size(), unknowns = fitted.size() + 1;
   Eigen::RowVectorXd middle;
-  const Eigen::MatrixXd x = logarithms(answers, fitted, grid.points, middle);
-  if (x.rows() <= x.cols() + 1 || LeastSquares(with_constant(x)).rank() <= x.cols()) {
+  Eigen::MatrixXd x;
+  if (points > unknowns) x = logarithms(answers, fitted, grid.points, middle);
+  if (points <= unknowns || LeastSquares(with_constant(x)).rank() <= x.cols()) {
     line.why_not_tested =
-        fmt::format("it takes more than {} points, so that one is left over, there are {}",
-                    x.cols() + 1, x.rows());
+        fmt::format("it takes more than {} points{}, so that one is left over, there {}", unknowns,
+                    grid.is_whole ? "" : " with two thirds of the " + drawn,
+                    points > 1   ? fmt::format("are {}", points)
+                    : points > 0 ? "is one"
+                                 : "are none");
     return line;
   }
   const LackOfFit test = lack_of_fit(with_constant(x), grid.y);
