@@ -118,10 +118,15 @@ class Comparison:
                 (f"{key} [{row.unit}]" if row.unit else str(key), _shown(row.a), _shown(row.b))
                 for key, row in self.scene.iterrows()])]
         if len(self.answers):
+            reasons = [row.why for _, row in self.answers.iterrows() if _is_unknown(row)]
+            said_once = len(reasons) > 1 and len(set(reasons)) == 1
             lines += ["", "answers", *_columns([("", "A", "B", "B against A", "p", "")] + [
                 (str(name), _value(row.a, row.unit), _value(row.b, row.unit),
-                 _change(row.difference, row.unit),
-                 _chance(row.chance), _verdict(row)) for name, row in self.answers.iterrows()])]
+                 _change(row.difference, row.unit), _chance(row.chance),
+                 "not known" if said_once and _is_unknown(row) else _verdict(row))
+                for name, row in self.answers.iterrows()])]
+            if said_once:
+                lines.append(f"not known: {reasons[0]}")
         if len(self.bands):
             lines += ["", *self._text_of_bands()]
         tests = ["", "p: how likely chance alone makes such a difference", self.test]
@@ -199,6 +204,9 @@ def _plain(value: Any) -> Any:
 def _shown(value: Any) -> str:
     if isinstance(value, tuple):  # of a list of results
         text = ", ".join(map(_shown, value))
+    elif isinstance(value, float) and math.isfinite(value):  # the fewest digits that mean it
+        text = next(short for digits in range(6, 18)
+                    if float(short := f"{value:.{digits}g}") == value)
     else:
         text = "-" if value is None else value if isinstance(value, str) else toml.value(value)
     return text if len(text) <= 60 else text[:59] + "\u2026"
@@ -217,6 +225,8 @@ def _change(difference: float, unit: str) -> str:
         return ""
     if unit.startswith("dB"):
         return f"{difference:+.2f} dB"
+    if 0 < abs(difference) < 0.01:
+        return "+ < 0.01 %" if difference > 0 else "- < 0.01 %"
     if abs(difference) < 50:
         return f"{100 * math.expm1(difference / 100):+.2g} %"
     return f"x {math.exp(difference / 100):.3g}"
@@ -226,6 +236,10 @@ def _chance(chance: float) -> str:
     if math.isnan(chance):
         return ""
     return "< 0.0001" if chance < 1e-4 else f"{chance:.2g}"
+
+
+def _is_unknown(row: Any) -> bool:
+    return row.differs is None and row.why != OTHER_FACES
 
 
 def _verdict(row: Any) -> str:
